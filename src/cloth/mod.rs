@@ -7,6 +7,7 @@ mod doubled;
 mod fabric;
 mod options;
 mod pieces;
+mod pins;
 mod rest;
 mod surface;
 
@@ -132,7 +133,7 @@ impl Cloth {
             mean: mean.unwrap_or(fabrics[0].fabric),
             warp_is_u: options.warp == "u",
             masses,
-            pins: pins(options, mesh),
+            pins: pins::pins(options, garment, product, mesh),
             pin_target: options.pin_target.clone(),
             doubled: doubled::doubled(&surface, thickness),
             attachments,
@@ -230,19 +231,4 @@ fn assigned(
         all.push(NamedFabric { name: name.clone(), fabric: options.fabric() });
     }
     Ok((all, of))
-}
-
-/// The vertices of the sets that are held, ascending.
-fn pins(options: &ClothOptions, mesh: &Mesh) -> Vec<VertexId> {
-    let mut held = Vec::new();
-    for set in options.pins.iter().filter_map(|name| mesh.subset(name)) {
-        match &set.elements {
-            Elements::Points(points) => held.extend(points),
-            Elements::Edges(edges) => held.extend(edges.as_flattened()),
-            Elements::Faces(_) => {}
-        }
-    }
-    held.sort_unstable();
-    held.dedup();
-    held
 }

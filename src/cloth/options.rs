@@ -45,7 +45,7 @@ options! {
         "rest" rest: RestShape = RestShape::Auto, Domain::Choice { words: &["auto", "mesh", "panels"] },
             "auto, mesh or panels";
 
-        /// Edge and point subsets of this mesh that are held
+        /// Edge and point subsets of this mesh that are held, or float primvars of points, held above 0.5
         "pins" pins: Vec<String> = Vec::new(), Domain::Sets { of: &["edge", "point"], required: false },
             "names of subsets";
 

@@ -3,8 +3,8 @@
 use super::{OPERATORS, Recipe};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{DERIVED, Mesh, Subset};
-use crate::options::{Domain, Given, subset_of};
-use crate::sets::{SetEvaluator, is_subset_name};
+use crate::options::{Domain, Given, float_primvar, subset_of};
+use crate::sets::{SetEvaluator, is_subset_name, quoted};
 use std::cell::LazyCell;
 
 /// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
@@ -33,10 +33,12 @@ impl RecipeSets {
                 let place = format!("{prefix}.{}", key.key);
                 for name in names.iter().filter(|name| garment.subset(name).is_none()) {
                     if !sets.iter().any(|set| set.name == *name) {
-                        if is_subset_name(name) {
+                        let weights = painted(garment, &place, name, of)?;
+                        if weights.is_none() && is_subset_name(name) {
                             subset_of(garment, &place, name, of)?;
                         }
-                        let derived = evaluator.evaluate(name).map_err(|fault| fault.at(&place))?;
+                        let expression = weights.as_ref().unwrap_or(name);
+                        let derived = evaluator.evaluate(expression).map_err(|fault| fault.at(&place))?;
                         if derived.elements.is_empty() {
                             warnings.push(empty(&place, name, &derived.notes));
                         }
@@ -52,6 +54,16 @@ impl RecipeSets {
         }
         Ok((found, warnings))
     }
+}
+
+/// The expression of the points above the middle of painted weights, where `name` is a primvar and points are wanted.
+fn painted(garment: &Mesh, place: &str, name: &str, of: &[&str]) -> Result<Option<String>, Error> {
+    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
+    if !is_primvar || !of.contains(&"point") {
+        return Ok(None);
+    }
+    float_primvar(garment, place, name)?;
+    Ok(Some(format!("weight({})", quoted(name))))
 }
 
 fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {

@@ -54,6 +54,12 @@ impl Numbering {
         VertexId::new(self.vertices + f.index())
     }
 
+    /// Whether faces have a child vertex at their centre.
+    #[inline]
+    pub(crate) fn has_centres(&self) -> bool {
+        !self.triangles
+    }
+
     /// The child vertex of an edge.
     #[inline]
     pub fn of_edge(&self, e: EdgeId) -> VertexId {

@@ -4,7 +4,7 @@
 //! with their neighbours are reversed. Edges and vertices keep their sharpness, so the pieces refine to the same points as
 //! the garment.
 
-use crate::garment::{Mesh, Scheme};
+use crate::garment::Mesh;
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::subdivide::{Channel, Level, Numbering};
 
@@ -61,7 +61,7 @@ impl Manifold {
         for (edge, ends) in t.edges.enumerated() {
             source[numbering.of_edge(edge)] = self.vertex_source[ends[0]];
         }
-        if self.level.scheme != Scheme::Loop {
+        if numbering.has_centres() {
             for face in t.faces.ids() {
                 source[numbering.of_face(face)] = self.vertex_source[t.faces.vertices_of(face)[0]];
             }

@@ -1,0 +1,163 @@
+//! The vertices of the simulation mesh that sets of the garment hold.
+//!
+//! Points of the cage stand for the curves and areas that they span: an edge with both ends, a face with all corners. The
+//! curves and areas are found on the baseline, and a vertex is held where it lies near one of them along the surface, so
+//! that holds have no gaps at any target length, and do not reach another layer.
+
+use super::ClothOptions;
+use crate::garment::{Elements, Mesh};
+use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
+use crate::sim::{Baseline, SimProduct, closest_weights};
+use crate::subdivide::{Level, Numbering};
+use glam::Vec3;
+
+/// Distance from a curve or an area up to which a vertex is held. \[target lengths\]
+const REACH: f32 = 0.5;
+
+/// The vertices of the simulation mesh `mesh` that are held, ascending.
+pub fn pins(options: &ClothOptions, garment: &Mesh, product: &SimProduct, mesh: &Mesh) -> Vec<VertexId> {
+    let mut held = Vec::new();
+    for name in &options.pins {
+        match mesh.subset(name).map(|set| &set.elements) {
+            // Points that span nothing hold the vertices nearest to them.
+            Some(Elements::Points(points)) => held.extend(points),
+            Some(Elements::Edges(edges)) => held.extend(edges.as_flattened()),
+            _ => {}
+        }
+        if let Some(Elements::Points(points)) = garment.subset(name).map(|set| &set.elements) {
+            held.extend(Span::of(&product.baseline, points).near(product));
+        }
+    }
+    held.sort_unstable();
+    held.dedup();
+    held
+}
+
+/// What is held of a triangle of the baseline.
+#[derive(Clone, Copy, Default)]
+struct Part {
+    is_whole: bool,
+    /// Each edge, from its corner to the next.
+    edges: [bool; 3],
+    corners: [bool; 3],
+}
+
+/// The curves and areas that points of the garment span on the baseline.
+struct Span<'a> {
+    baseline: &'a Baseline,
+    parts: IdVec<FaceId, Part>,
+}
+
+impl<'a> Span<'a> {
+    fn of(baseline: &'a Baseline, points: &[VertexId]) -> Self {
+        let sources = &baseline.manifold.vertex_source;
+        let most = sources.iter().map(|v| v.index() + 1).max().unwrap_or(0);
+        let mut is_point = IdVec::<VertexId, bool>::filled(false, most);
+        points.iter().filter(|v| v.index() < most).for_each(|&v| is_point[v] = true);
+        let mut marked: IdVec<VertexId, bool> = sources.iter().map(|&v| is_point[v]).collect();
+        for parent in baseline.parents() {
+            marked = refined(parent, &marked);
+        }
+        let finest = baseline.levels.last().unwrap_or(&baseline.manifold.level);
+        let part = |face: FaceId| {
+            let corners = [0, 1, 2].map(|k| baseline.level_corner[CornerId::new(3 * face.index() + k)]);
+            let faces = &finest.topology.faces;
+            let is_marked = corners.map(|corner| marked[faces.vertex(corner)]);
+            // A diagonal of a face is no curve.
+            let is_edge = |k: usize| faces.next(corners[k]) == corners[(k + 1) % 3];
+            Part {
+                is_whole: faces.vertices_of(baseline.level_face[face]).iter().all(|&v| marked[v]),
+                edges: [0, 1, 2].map(|k| is_edge(k) && is_marked[k] && is_marked[(k + 1) % 3]),
+                corners: is_marked,
+            }
+        };
+        Self { baseline, parts: baseline.level_face.ids().map(part).collect() }
+    }
+
+    /// The vertices of the simulation mesh that are near.
+    fn near(&self, product: &SimProduct) -> Vec<VertexId> {
+        let mut search = Search { span: self, seen: IdVec::filled(0, self.parts.len()), round: 0, found: Vec::new() };
+        let mut held = IdVec::<VertexId, bool>::filled(false, product.points.len());
+        let mut last = IdVec::<VertexId, Option<FaceId>>::filled(None, product.points.len());
+        for (corner, &vertex) in product.triangles.as_flattened().iter().enumerate() {
+            let start = product.places[CornerId::new(corner)].location.face;
+            if !held[vertex] && last[vertex].replace(start) != Some(start) {
+                held[vertex] = search.is_near(start, product.points[vertex], REACH * product.target[vertex]);
+            }
+        }
+        held.enumerated().filter(|(_, held)| **held).map(|(vertex, _)| vertex).collect()
+    }
+
+    /// Whether what is held of a triangle is within `reach` of a point.
+    fn is_within(&self, face: FaceId, point: Vec3, reach: f32) -> bool {
+        let Part { is_whole, edges, corners } = self.parts[face];
+        let [a, b, c] = self.baseline.triangle(face);
+        let is_near = |a, b, c| distance(a, b, c, point) <= reach;
+        is_whole && is_near(a, b, c)
+            || edges[0] && is_near(a, b, b)
+            || edges[1] && is_near(b, c, c)
+            || edges[2] && is_near(c, a, a)
+            || [a, b, c].iter().zip(corners).any(|(&at, is_held)| is_held && at.distance(point) <= reach)
+    }
+}
+
+/// Walks over the triangles around a point.
+struct Search<'a> {
+    span: &'a Span<'a>,
+    /// The round in which each triangle was found last.
+    seen: IdVec<FaceId, u32>,
+    round: u32,
+    found: Vec<FaceId>,
+}
+
+impl Search<'_> {
+    /// Whether anything is held within `reach` of a point, over triangles that are connected there to `start`.
+    fn is_near(&mut self, start: FaceId, point: Vec3, reach: f32) -> bool {
+        let Span { baseline, .. } = *self.span;
+        self.round += 1;
+        self.found.clear();
+        self.add(start);
+        let mut at = 0;
+        while let Some(&face) = self.found.get(at) {
+            at += 1;
+            if self.span.is_within(face, point, reach) {
+                return true;
+            }
+            for corner in baseline.topology.faces.corners_of(face) {
+                let Some(twin) = baseline.topology.twin(corner) else { continue };
+                let next = baseline.topology.faces.face_of(twin);
+                let [a, b, c] = baseline.triangle(next);
+                if self.seen[next] != self.round && distance(a, b, c, point) <= reach {
+                    self.add(next);
+                }
+            }
+        }
+        false
+    }
+
+    fn add(&mut self, face: FaceId) {
+        self.seen[face] = self.round;
+        self.found.push(face);
+    }
+}
+
+fn distance(a: Vec3, b: Vec3, c: Vec3, point: Vec3) -> f32 {
+    let weights = closest_weights(a, b, c, point);
+    point.distance(a * weights.x + b * weights.y + c * weights.z)
+}
+
+/// The vertices of the next level on what the marked vertices of `parent` span.
+fn refined(parent: &Level, marked: &IdVec<VertexId, bool>) -> IdVec<VertexId, bool> {
+    let (t, numbering) = (&parent.topology, Numbering::new(parent));
+    let mut child = marked.clone();
+    child.resize(numbering.vertices(), false);
+    for (edge, ends) in t.edges.enumerated() {
+        child[numbering.of_edge(edge)] = ends.iter().all(|&v| marked[v]);
+    }
+    if numbering.has_centres() {
+        for face in t.faces.ids() {
+            child[numbering.of_face(face)] = t.faces.vertices_of(face).iter().all(|&v| marked[v]);
+        }
+    }
+    child
+}
