@@ -6,7 +6,7 @@ mod costs;
 mod surface;
 
 pub use costs::ConstraintCost;
-pub use surface::{NarrowFeature, facing};
+pub use surface::{BluntRidge, NarrowFeature, facing};
 
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
@@ -69,6 +69,8 @@ pub struct SimFigures {
     pub share_steep: f32,
     /// Sharp edges that are too near to a border, a seam or other sharp edges for a feature line of their own.
     pub narrow_features: Vec<NarrowFeature>,
+    /// Lines of edges that are nearly sharp enough for a feature line, so that triangles may cut them off.
+    pub blunt_ridges: Vec<BluntRidge>,
     /// The constraints by the thin triangles beside them.
     pub constraint_costs: Vec<ConstraintCost>,
     /// Area of each face subset on the mesh and on the baseline.
@@ -271,6 +273,7 @@ impl SimFigures {
         self.facing_away = beyond(90.0);
         self.share_steep = share(beyond(surface::STEEP), triangles.len());
         self.narrow_features = surface::narrow_features(product);
+        self.blunt_ridges = surface::blunt_ridges(product);
     }
 }
 

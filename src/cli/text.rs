@@ -164,7 +164,7 @@ fn summary(built: &Built, verbose: bool) -> String {
         "          distance to the surface at most {:.2}, on average {:.3} of the target length",
         s.distance_max, s.distance_mean
     );
-    t += &narrow_features(s);
+    t += &features(s);
     let _ = writeln!(
         t,
         "  render  {} vertices, {} faces, {:.1} % quads, level {}",
@@ -213,14 +213,21 @@ fn summary(built: &Built, verbose: bool) -> String {
     t
 }
 
-/// The line about sharp edges without a feature line of their own and triangles that face away from the surface, if there are some.
-fn narrow_features(s: &SimFigures) -> String {
+/// The line about edges without a feature line of their own and triangles that face away from the surface, if there are some.
+fn features(s: &SimFigures) -> String {
     let mut parts = Vec::new();
     if !s.narrow_features.is_empty() {
         let width = s.narrow_features.iter().map(|feature| feature.width).fold(0.0, f32::max);
         let count = s.narrow_features.len();
         parts.push(format!(
             "narrow features drawn to edges beside them: {count}, over at most {width:.2} of the target length"
+        ));
+    }
+    if !s.blunt_ridges.is_empty() {
+        let length: f32 = s.blunt_ridges.iter().map(|ridge| ridge.length).sum();
+        let count = s.blunt_ridges.len();
+        parts.push(format!(
+            "ridges nearly as sharp as sim.featureAngle, which triangles may cut off: {count}, of {length:.0} target lengths"
         ));
     }
     if s.facing_away > 0 {

@@ -1,7 +1,7 @@
 //! How a simulation mesh lies on its surface, and which sharp edges of it have none.
 
 use crate::mesh::{CornerId, VertexId};
-use crate::sim::{NarrowStrip, SimProduct};
+use crate::sim::{BluntRidge as Ridge, NarrowStrip, SimProduct};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -28,6 +28,28 @@ pub(super) fn narrow_features(product: &SimProduct) -> Vec<NarrowFeature> {
         width: strip.width,
     };
     baseline.narrow.iter().map(of).collect()
+}
+
+/// A line of edges that turns by two thirds or more of the angle of a feature line, so that triangles may cut it off.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct BluntRidge {
+    /// One of the garment's vertices along it.
+    pub vertex: usize,
+    /// The number of the garment's edges along it.
+    pub edges: usize,
+    /// Its length. \[target lengths\]
+    pub length: f32,
+}
+
+pub(super) fn blunt_ridges(product: &SimProduct) -> Vec<BluntRidge> {
+    let baseline = &product.baseline;
+    let of = |&Ridge { vertex, edges, length }: &Ridge| BluntRidge {
+        vertex: baseline.manifold.vertex_source[vertex].index(),
+        edges,
+        length,
+    };
+    baseline.blunt.iter().map(of).collect()
 }
 
 /// A triangle against the surface that it lies on.

@@ -19,7 +19,7 @@ mod tests;
 pub use baseline::{Baseline, BaselinePoint, baseline_level};
 pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::{Chain, ChainKind};
-pub use constraints::feature_lines::NarrowStrip;
+pub use constraints::feature_lines::{BluntRidge, NarrowStrip};
 pub use geometry::closest_weights;
 pub use options::{Relaxation, SimOptions};
 pub use passes::remesh::RemeshReport;

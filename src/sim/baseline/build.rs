@@ -8,7 +8,7 @@ use crate::garment::{Mesh, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::feature_lines::{FeatureSurface, NarrowStrip};
+use crate::sim::constraints::feature_lines::{BluntRidge, FeatureSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
@@ -45,7 +45,7 @@ impl Baseline {
 
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
-        let FoundChains { chains, traced, curves, drawn, narrow } =
+        let FoundChains { chains, traced, curves, drawn, narrow, blunt } =
             find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
         let level = nearest_level(&all_levels, &points, lengths).max(traced);
         let start = StartMesh { levels: &all_levels, level, surface };
@@ -72,6 +72,7 @@ impl Baseline {
             sizing: IdVec::new(),
             graded,
             narrow,
+            blunt,
             traced,
             has_uvs: uv_set.is_some(),
             uvs,
@@ -149,6 +150,7 @@ struct FoundChains {
     /// Vertices of the cage beside feature lines, at which no chain has a corner.
     drawn: BTreeSet<VertexId>,
     narrow: Vec<NarrowStrip>,
+    blunt: Vec<BluntRidge>,
 }
 
 fn find_chains(
@@ -172,7 +174,7 @@ fn find_chains(
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), &levels[traced..]);
     let on_surface = paths.iter().zip(&curves[levels.len() - 1 - traced]);
     let chains = on_surface.map(|(path, curve)| path.on_surface(curve, &source, surface)).collect();
-    FoundChains { chains, traced, curves, drawn: rims.drawn, narrow: rims.narrow }
+    FoundChains { chains, traced, curves, drawn: rims.drawn, narrow: rims.narrow, blunt: rims.blunt }
 }
 
 /// Half-edges on chains and at borders.

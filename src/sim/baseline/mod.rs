@@ -12,7 +12,7 @@ use crate::garment::Primvar;
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::feature_lines::NarrowStrip;
+use crate::sim::constraints::feature_lines::{BluntRidge, NarrowStrip};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::small_shells::SmallShells;
 use crate::subdivide::{Level, Real};
@@ -67,6 +67,8 @@ pub struct Baseline {
     pub graded: usize,
     /// Folds that are too near to a chain to be one.
     pub narrow: Vec<NarrowStrip>,
+    /// Lines that are not quite sharp enough for a chain.
+    pub blunt: Vec<BluntRidge>,
     /// Target edge length at each vertex, shortened near chains that bend. \[mesh units\]
     pub sizing: IdVec<VertexId, f32>,
     /// The constraint chains.

@@ -20,6 +20,8 @@ use std::collections::{BTreeMap, BTreeSet};
 const ENDS: f32 = 0.75;
 /// The inside of a feature line turns by at least this share.
 const INSIDE: f32 = 0.5;
+/// A line that turns by at least this share is nearly a feature line.
+const NEARLY: f32 = 2.0 / 3.0;
 /// Least total length of a feature line's sharp edges, as a multiple of the target length.
 const LEAST_LENGTH: f32 = 2.0;
 /// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
@@ -27,6 +29,10 @@ const APART: f32 = 0.5;
 /// A feature line is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
 /// to it, and facets of the turn stay.
 const APART_FROM_CHAINS: f32 = 0.15;
+/// Sharpness from which on an edge is a line that its author drew.
+const CREASE: f32 = 1.0;
+/// Its least turn within one target length. \[radians\]
+const CREASE_TURN: f32 = 30.0 * std::f32::consts::PI / 180.0;
 /// Least dihedral of a sharp edge: it is sharper on the cage than on the refined surface. \[radians\]
 const LEAST_DIHEDRAL: f32 = 0.3;
 /// Most faces of a walk across parallel edges.
@@ -34,7 +40,7 @@ const MAX_STEPS: usize = 64;
 
 /// How the surface bends across an edge of the cage.
 pub(super) struct SharpEdge {
-    /// The turn of the normal within one target length. \[radians\]
+    /// The turn of the normal within one target length, as a share of the turn that makes a feature line there.
     pub bend: f32,
     /// In target lengths.
     pub length: f32,
@@ -59,6 +65,17 @@ pub struct NarrowStrip {
     pub width: f32,
 }
 
+/// A line of edges that are nearly sharp enough for a feature line, so that triangles may cut it off.
+#[derive(Clone, Debug)]
+pub struct BluntRidge {
+    /// A vertex of the manifold cage on it.
+    pub vertex: VertexId,
+    /// The number of its edges of the cage.
+    pub edges: usize,
+    /// \[target lengths\]
+    pub length: f32,
+}
+
 /// A quad of the cage whose middle line is on a feature line.
 #[derive(Clone, Copy)]
 struct Crest {
@@ -79,6 +96,8 @@ pub(crate) struct Rims {
     crests: Vec<Crest>,
     /// The sharp edges that are too near to chains to be some.
     pub narrow: Vec<NarrowStrip>,
+    /// The lines that are not quite sharp enough to be some.
+    pub blunt: Vec<BluntRidge>,
     /// The vertices of the cage that are drawn to a chain beside them. No chain has a corner there.
     pub drawn: BTreeSet<VertexId>,
 }
@@ -164,6 +183,8 @@ impl<'a> FeatureSurface<'a> {
             let lost =
                 line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.feature_line(run, &sharp_edges));
             rims.narrow.extend(lost.map(|edges| self.narrow_strip(edges, &narrow, kinds)));
+            let blunt = line.runs(|edge| !narrow.contains_key(&edge) && !kinds.contains_key(&edge));
+            rims.blunt.extend(blunt.filter_map(|run| self.blunt_ridge(run, &sharp_edges)));
         }
         let t = self.cage();
         rims.drawn = narrow.keys().flat_map(|&edge| t.edges[edge]).collect();
@@ -190,6 +211,14 @@ impl<'a> FeatureSurface<'a> {
             }
         }
         NarrowStrip { vertex: self.cage().edges[edges[0]][0], edges: edges.len(), width }
+    }
+
+    /// The part of a line that is nearly a feature line, if there is one.
+    fn blunt_ridge(&self, run: &[EdgeId], sharp_edges: &SharpEdges) -> Option<BluntRidge> {
+        let nearly = || run.iter().filter(|edge| sharp_edges[edge].bend > NEARLY);
+        let length: f32 = nearly().map(|edge| sharp_edges[edge].length).sum();
+        let vertex = self.cage().edges[*nearly().next()?][0];
+        (length >= LEAST_LENGTH).then(|| BluntRidge { vertex, edges: nearly().count(), length })
     }
 
     /// The parts of a feature line that run along its edges, and those that run along the middle of a strip beside them.
@@ -227,7 +256,7 @@ impl<'a> FeatureSurface<'a> {
         let is_strip = |&corner: &CornerId| {
             let other = self.opposite(corner).map(|c| t.corner_edge[c]);
             other.is_some_and(|other| {
-                let is_sharp = sharp_edges.get(&other).is_some_and(|sharp_edge| sharp_edge.bend > ENDS * self.sharp);
+                let is_sharp = sharp_edges.get(&other).is_some_and(|sharp_edge| sharp_edge.bend > ENDS);
                 is_sharp && !narrow.contains_key(&other) && self.distance(edge, other) < APART
             })
         };
@@ -250,10 +279,9 @@ impl<'a> FeatureSurface<'a> {
 
     /// The part of a line that is a feature line, without its blunt ends, if there is one.
     fn feature_line<'e>(&self, run: &'e [EdgeId], sharp_edges: &SharpEdges) -> Option<&'e [EdgeId]> {
-        let is_end = |edge: &EdgeId| sharp_edges[edge].bend > ENDS * self.sharp;
+        let is_end = |edge: &EdgeId| sharp_edges[edge].bend > ENDS;
         let (first, last) = (run.iter().position(is_end)?, run.iter().rposition(is_end)?);
-        let sharp =
-            run[first..=last].iter().map(|edge| &sharp_edges[edge]).filter(|sharp_edge| sharp_edge.bend > self.sharp);
+        let sharp = run[first..=last].iter().map(|edge| &sharp_edges[edge]).filter(|sharp_edge| sharp_edge.bend > 1.0);
         (sharp.map(|sharp_edge| sharp_edge.length).sum::<f32>() >= LEAST_LENGTH).then(|| &run[first..=last])
     }
 
@@ -278,11 +306,18 @@ impl<'a> FeatureSurface<'a> {
         let curves = refine_paths(edges.iter().map(|&e| t.edges[e].to_vec()).collect(), self.levels);
         let measured = edges.iter().zip(&curves[self.levels.len() - 1]).filter_map(|(&edge, curve)| {
             let steps = curve.windows(2);
-            let bend = steps.clone().map(|p| self.surface.bend(p[0], p[1])).sum::<f32>() / steps.len() as f32;
+            let turn = steps.clone().map(|p| self.surface.bend(p[0], p[1])).sum::<f32>() / steps.len() as f32;
+            let bend = turn / self.sharp_turn(edge);
             let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum::<f32>() / self.target(edge);
-            (bend > INSIDE * self.sharp).then_some((edge, SharpEdge { bend, length }))
+            (bend > INSIDE).then_some((edge, SharpEdge { bend, length }))
         });
         measured.collect()
+    }
+
+    /// The turn within one target length that makes a feature line at an edge. \[radians\]
+    fn sharp_turn(&self, edge: EdgeId) -> f32 {
+        let is_crease = self.levels[0].edge_sharpness[edge] >= CREASE && self.sharp.is_finite();
+        if is_crease { self.sharp.min(CREASE_TURN) } else { self.sharp }
     }
 
     fn target(&self, edge: EdgeId) -> f32 {

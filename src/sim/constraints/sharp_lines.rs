@@ -18,7 +18,7 @@ const MOST_SHARP_EDGES: usize = 16;
 pub(super) struct SharpLine {
     /// Its edges, in order. A loop begins where it bends least.
     pub edges: Vec<EdgeId>,
-    /// The sum of bends times lengths. \[radians times target lengths\]
+    /// The sum of bends times lengths. \[target lengths\]
     pub strength: f32,
 }
 
