@@ -147,7 +147,7 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     let mut known = std::collections::HashSet::new();
     let task = |input: PathBuf| {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let output = out.join(format!("{stem}_tailored.usda"));
+        let output = out.join(format!("{stem}_tailored.usdc"));
         if known.insert(output.clone()) {
             return Ok(Task { input, output });
         }

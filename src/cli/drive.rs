@@ -1,7 +1,9 @@
 //! `usdtailor drive`.
 
 use super::Output;
+use super::process::folders::MadeFolders;
 use crate::error::Error;
+use crate::files::folder_of;
 use crate::usd::{DriveOptions, drive};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -31,7 +33,7 @@ pub struct Drive {
     /// Drive the garment's own mesh too, or the panels of which it is sewn
     #[arg(long)]
     model: bool,
-    /// Write a file for each frame, in the folder OUT.clips, which OUT has as value clips
+    /// Write a file for each frame, in the folder OUT.clips, which OUT has as value clips; a folder of OUT that is missing is made
     #[arg(long)]
     clips: bool,
     /// Accept gaps between the frames of the cache
@@ -63,6 +65,8 @@ pub fn run(args: &Drive) -> Result<Output, Error> {
     };
     let bar = bar(args.quiet);
     let start = Instant::now();
+    // Clips have a folder beside the shot, which is made in any case.
+    let _made = args.clips.then(|| MadeFolders::new(folder_of(&args.output))).transpose()?;
     let driven = drive(&options, &|done, all| {
         bar.set_length(all as u64);
         bar.set_position(done as u64);

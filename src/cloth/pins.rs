@@ -63,7 +63,7 @@ impl<'a> Span<'a> {
             let corners = [0, 1, 2].map(|k| baseline.level_corner[CornerId::new(3 * face.index() + k)]);
             let faces = &finest.topology.faces;
             let is_marked = corners.map(|corner| marked[faces.vertex(corner)]);
-            // A diagonal of a face is no curve.
+            // A diagonal of a face is not a curve of the garment.
             let is_edge = |k: usize| faces.next(corners[k]) == corners[(k + 1) % 3];
             Part {
                 is_whole: faces.vertices_of(baseline.level_face[face]).iter().all(|&v| marked[v]),

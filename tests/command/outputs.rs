@@ -59,7 +59,7 @@ fn several_inputs_go_into_a_folder() {
     let folder = with_cloth();
     folder.file("b.usda", CLOTH);
     let run = folder.good("build in.usda b.usda -o out");
-    assert_eq!(folder.written(), ["b_tailored.usda", "in_tailored.usda"]);
+    assert_eq!(folder.written(), ["b_tailored.usdc", "in_tailored.usdc"]);
     run.prints(&["in.usda  built", "b.usda   built", "2 inputs: 2 built, 0 fresh, 0 failed"]);
     folder.good("build in.usda -o out --force");
     assert_eq!(folder.written().len(), 2, "one input goes into a folder too");
@@ -70,9 +70,9 @@ fn a_folder_of_outputs_is_made() {
     let folder = with_cloth();
     folder.file("b.usda", CLOTH);
     folder.good("build in.usda b.usda -o out/new/er --report out/new/er/report.json");
-    assert!(folder.at("out/new/er/in_tailored.usda").is_file() && folder.at("out/new/er/report.json").is_file());
+    assert!(folder.at("out/new/er/in_tailored.usdc").is_file() && folder.at("out/new/er/report.json").is_file());
     folder.good("build in.usda -o out/one/");
-    assert!(folder.at("out/one/in_tailored.usda").is_file(), "a path that ends as a folder is one");
+    assert!(folder.at("out/one/in_tailored.usdc").is_file(), "a path that ends as a folder is one");
 }
 
 #[test]

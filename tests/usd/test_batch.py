@@ -93,7 +93,7 @@ def test_fresh_outputs_are_left_and_stale_ones_are_built(run, tmp_path):
     result = run(*files, "-o", out, "--skip-fresh", "--force")
     assert "1 built, 3 fresh" in result.stdout
     now = {file.name: file.stat().st_mtime_ns for file in out.iterdir()}
-    assert [name for name in now if now[name] != times[name]] == ["g002_tailored.usda"]
+    assert [name for name in now if now[name] != times[name]] == ["g002_tailored.usdc"]
 
 
 @pytest.mark.parametrize(
@@ -160,11 +160,11 @@ def test_a_run_that_was_killed_goes_on_where_it_was(run, usdtailor, tmp_path):
     out.mkdir()
     arguments = [*files, "-o", out, "--skip-fresh", "--force"]
     child = subprocess.Popen([str(usdtailor), "build", *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while len(list(out.glob("g*.usda"))) < 60 and child.poll() is None:
+    while len(list(out.glob("g*.usdc"))) < 60 and child.poll() is None:
         time.sleep(0.01)
     child.send_signal(signal.SIGKILL)
     assert child.wait() == -signal.SIGKILL, "it ended before it was killed"
-    done = len(list(out.glob("g*.usda")))
+    done = len(list(out.glob("g*.usdc")))
     assert 60 <= done < 195
     result = run(*arguments, "--report", tmp_path / "report.json")
     assert result.returncode == 1
@@ -172,8 +172,8 @@ def test_a_run_that_was_killed_goes_on_where_it_was(run, usdtailor, tmp_path):
     states = [build["status"] for build in builds]
     assert states.count("fresh") == done and states.count("built") == 195 - done
     assert {i for i, state in enumerate(states) if state == "failed"} == bad
-    assert len(list(out.glob("g*.usda"))) == 195
-    for file in out.glob("g*.usda"):
+    assert len(list(out.glob("g*.usdc"))) == 195
+    for file in out.glob("g*.usdc"):
         assert Usd.Stage.Open(str(file)).GetPrimAtPath("/G/sim")
 
 
@@ -267,7 +267,7 @@ def test_builds_that_pass_the_limit_together_are_built_alone(usdtailor, run, tmp
     out = tmp_path / "out"
     result = run(*files, "-o", out, "--max-memory", "160M", "--jobs", 6, "--quiet")
     assert result.returncode == 0, result.stderr
-    assert len(list(out.glob("*.usda"))) == 6
+    assert len(list(out.glob("*.usdc"))) == 6
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="ulimit -v")

@@ -66,6 +66,18 @@ def test_a_signal_leaves_no_folder_of_clips(usdtailor, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["built.usda", "cache.npy", "in.usda"]
 
 
+def test_a_shot_of_clips_makes_its_folders_and_leaves_none_behind(usdtailor, tmp_path):
+    garment = tmp_path / "built.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    numpy.save(tmp_path / "cache.npy", numpy.repeat(points[None], 3, axis=0))
+    shot = tmp_path / "shots" / "one" / "shot.usda"
+    refused(usdtailor, "drive", garment, "--cache", tmp_path / "none.npy", "-o", shot, "--clips", says=["none.npy"])
+    assert not (tmp_path / "shots").exists()
+    good(usdtailor, "drive", garment, "--cache", tmp_path / "cache.npy", "-o", shot, "--clips")
+    assert sorted(path.name for path in shot.parent.iterdir()) == ["shot.clips", "shot.usda"]
+
+
 @pytest.mark.parametrize("option", ["sim.maxEdgeLength=1e30", "sim.maxEdgeLength=1e30 sim.minEdgeLength=1e29"])
 def test_a_target_length_without_bound_is_refused_with_its_range(usdtailor, tmp_path, option):
     source = write(tmp_path / "in.usda")
@@ -144,9 +156,9 @@ def test_a_recipe_is_never_overwritten(usdtailor, tmp_path):
 def test_an_output_is_no_input_of_another_garment(usdtailor, tmp_path):
     (tmp_path / "out").mkdir()
     write(tmp_path / "a.usda")
-    base = write(tmp_path / "out" / "a_tailored.usda")
+    base = write(tmp_path / "out" / "a_tailored.usdc")
     before = base.read_bytes()
-    mounted(tmp_path / "b.usda", 'def "Coat" (\n    references = @./out/a_tailored.usda@</Coat>\n)\n{\n}')
+    mounted(tmp_path / "b.usda", 'def "Coat" (\n    references = @./out/a_tailored.usdc@</Coat>\n)\n{\n}')
     refused(usdtailor, "build", tmp_path / "a.usda", tmp_path / "b.usda", "-o", tmp_path / "out", "--force", says=[USED])
     assert base.read_bytes() == before
 

@@ -77,7 +77,7 @@ def test_dask_survives_a_lost_worker(slow, tmp_path):
         while farm.poll() is None and not lost.is_set():
             runs = [Path(f"/proc/{pid}") for pid in children(farm.pid)]
             workers = [run for run in runs if b"spawn_main" in cmdline(run) and children(int(run.name))]
-            if len(list(out.glob("*.usda"))) >= 8 and workers:
+            if len(list(out.glob("*.usdc"))) >= 8 and workers:
                 os.kill(int(workers[0].name), signal.SIGKILL)
                 lost.set()
             time.sleep(0.05)
@@ -92,7 +92,7 @@ def test_dask_survives_a_lost_worker(slow, tmp_path):
     assert set(results) == set(map(str, files))
     assert [name for name, result in results.items() if result["status"] == "failed"] == [str(files[5])]
     assert "points" in results[str(files[5])]["error"]["message"]
-    assert len(list(out.glob("*.usda"))) == 39
+    assert len(list(out.glob("*.usdc"))) == 39
     assert "1 failed" in stdout
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from conftest import EXAMPLES, run
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdValidation
 
 TSHIRT, COAT = (EXAMPLES / f"{name}.usda" for name in ("tshirt", "coat"))
 LENGTHS = (1.0, 2.0, 4.0)
@@ -109,3 +109,10 @@ def test_a_layer_on_a_pinned_area_is_not_held(build, tmp_path):
 def test_what_is_no_weight_is_told(usdtailor, tmp_path, name, words):
     done = run(usdtailor, "build", TSHIRT, "-o", tmp_path / "out.usda", "--set", f"cloth.pins={name}")
     assert done.returncode == 1 and words in done.stderr, done.stderr
+
+
+def test_what_holds_pins_is_valid(build, tmp_path):
+    product = build(TSHIRT, "--set", "cloth.pins=hem", "--physics", "aousd,omni,chaos")
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    errors = UsdValidation.ValidationContext(validators).Validate(product.stage)
+    assert not [error.GetErrorAsString() for error in errors]

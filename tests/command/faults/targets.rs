@@ -183,7 +183,7 @@ fn of_one_input_among_several() {
     assert_eq!(run.code, Some(1), "{run}");
     run.says(&["error[index-out-of-range]: b.usda: /Coat/model.holeIndices", "hint: "]);
     run.prints(&["a.usda  built", "b.usda  failed", "c.usda  built", "3 inputs: 2 built, 0 fresh, 1 failed"]);
-    assert_eq!(folder.written(), ["a_tailored.usda", "c_tailored.usda", "report.json"]);
+    assert_eq!(folder.written(), ["a_tailored.usdc", "c_tailored.usdc", "report.json"]);
     let run = folder.run("check a.usda b.usda c.usda");
     assert_eq!(run.code, Some(1), "{run}");
     run.says(&["error[index-out-of-range]: b.usda: /Coat/model.holeIndices"]);

@@ -48,6 +48,8 @@ impl Author<'_> {
         self.float(&path, "physics:mass", 1.0)?;
         let inertia = Value::Vec3f([1.0, 1.0, 1.0].into());
         self.attribute(&path, "physics:diagonalInertia", ValueTypeName::FLOAT3, Variability::Varying, inertia)?;
+        let axes = Value::Quatf(openusd::gf::Quatf { w: 1.0, x: 0.0, y: 0.0, z: 0.0 });
+        self.attribute(&path, "physics:principalAxes", ValueTypeName::QUATF, Variability::Varying, axes)?;
         let joint = self.prim(physics, "anchor_joint", "PhysicsFixedJoint")?;
         self.target(&joint, "physics:body1", &path)?;
         let at = self.model.transforms.to_world * self.model.transforms.to_parent.inverse();
