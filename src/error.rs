@@ -215,6 +215,14 @@ impl Warning {
         Self { names: sets, ..Self::new(code, place, problem) }
     }
 
+    /// The problem with the first of its elements.
+    fn with_elements(&self) -> String {
+        if self.elements.is_empty() {
+            return self.problem.clone();
+        }
+        format!("{} ({})", self.problem, self.elements.in_words(PRINTED))
+    }
+
     /// Adds the elements.
     #[must_use]
     pub fn at(self, elements: Elements) -> Self {
@@ -239,10 +247,7 @@ impl fmt::Display for Warning {
         if !self.place.is_empty() {
             write!(f, "{}: ", self.place)?;
         }
-        f.write_str(&self.problem)?;
-        if !self.elements.is_empty() {
-            write!(f, " ({})", self.elements.in_words(PRINTED))?;
-        }
+        f.write_str(&self.with_elements())?;
         if self.remedy.is_empty() { Ok(()) } else { write!(f, ". {}", self.remedy) }
     }
 }
@@ -285,6 +290,25 @@ impl Warnings {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+}
+
+impl Warnings {
+    /// Makes each warning that is more than a note a fault of an error.
+    ///
+    /// # Errors
+    /// If there is one.
+    #[cfg(feature = "usd")]
+    pub(crate) fn strict(&self) -> Result<(), Error> {
+        let fault = |warning: &Warning| Fault {
+            code: ErrorCode::StrictWarning,
+            place: warning.place.clone(),
+            text: format!("{}: {}", warning.code, warning.with_elements()),
+            remedy: warning.remedy.clone(),
+        };
+        let worse = self.worst_first().into_iter().filter(|warning| warning.severity < Severity::Note);
+        let faults: Vec<Fault> = worse.map(fault).collect();
+        if faults.is_empty() { Ok(()) } else { Err(Error { faults, ..Error::new(ErrorKind::Mesh, "", "") }) }
     }
 }
 

@@ -254,7 +254,12 @@ fn built(
         }
         garments.push(Built { variant, ..built });
     }
-    write(build, output, record, &sources, &mut garments)?;
+    if build.strict {
+        // What is lost in writing is known by a rehearsal.
+        write(build, output, record.clone(), &sources, &mut garments, true)?;
+        garments.iter().try_for_each(|built| built.warnings.strict())?;
+    }
+    write(build, output, record, &sources, &mut garments, build.dry_run)?;
     Ok(garments)
 }
 
@@ -311,17 +316,18 @@ fn write(
     record: BuildRecord,
     sources: &[Source],
     garments: &mut [Built],
+    dry_run: bool,
 ) -> Result<(), Error> {
     let options = WriteOptions {
         flatten: build.flatten,
         sets: build.sets.into(),
         force: build.force,
         model_guide: !build.keep_model_purpose,
-        dry_run: build.dry_run,
+        dry_run,
         record: Some(record),
     };
     let mut timings = Vec::new();
-    let (written, warnings) = timed("write", &mut timings, || {
+    let (written, warnings) = timed(if dry_run { "rehearsal" } else { "write" }, &mut timings, || {
         let meshes: Vec<_> =
             garments.iter().map(|built| written(&built.products, &built.panels, &built.names)).collect();
         let variants = garments.iter().map(|built| built.variant.as_ref());

@@ -8,7 +8,7 @@ mod recorded;
 use super::process::memory;
 use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
-use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::error::{Error, ErrorCode, ErrorKind, Severity, Warnings};
 use crate::options::{Domain, Given};
 use crate::session::OpenGarment;
 use crate::sets::ListedSet;
@@ -49,7 +49,7 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
         if let Some(made) = &made {
             found.json["made"] = made.json();
         }
-        Ok(())
+        if args.strict { found.warnings.strict() } else { Ok(()) }
     })
 }
 
@@ -106,6 +106,9 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             }
         }
         is_fresh &= has_own;
+        if args.strict {
+            found.warnings.strict()?;
+        }
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
             for (prim, recipe) in &recipes {
@@ -169,7 +172,11 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         let mut found = Found { payloads, ..Found::default() };
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
-        text::print_warnings(found.warnings.worst_first(), inputs.quiet || args.json, several.then_some(&file));
+        // The error has what is more than a note.
+        let is_strict = result.as_ref().is_err_and(|error| error.faults[0].code == ErrorCode::StrictWarning);
+        let warnings = found.warnings.worst_first().into_iter();
+        let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);
+        text::print_warnings(warnings, inputs.quiet || args.json, several.then_some(&file));
         if let Err(error) = &result {
             code = code.max(super::program::exit_code(error));
         }

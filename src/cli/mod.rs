@@ -164,6 +164,9 @@ struct Build {
     /// expressions
     #[arg(long, value_name = "WHICH", value_enum, default_value_t = Sets::Authored, help_heading = "Output")]
     sets: Sets,
+    /// Fail where a warning is more than a note, and write nothing then
+    #[arg(long, help_heading = "Output")]
+    strict: bool,
     /// Say what would be written, and write nothing
     #[arg(long, help_heading = "Output", conflicts_with_all = ["report", "skip_fresh"])]
     dry_run: bool,
@@ -212,6 +215,9 @@ struct ExamineArgs {
     inputs: Inputs,
     #[command(flatten)]
     limits: Limits,
+    /// Fail where a warning is more than a note
+    #[arg(long, help_heading = "Run")]
+    strict: bool,
     /// Print one JSON object instead of text
     #[arg(long, help_heading = "Output")]
     json: bool,

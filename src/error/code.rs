@@ -36,6 +36,8 @@ pub enum ErrorCode {
     NotWrittenBack,
     /// The output is not what a build would make of the files as they are now.
     StaleOutput,
+    /// A warning, where none is wanted.
+    StrictWarning,
     /// The name of a product is taken, or is not valid.
     NameTaken,
     /// The stage holds no mesh to build from.

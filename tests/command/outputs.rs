@@ -1,6 +1,6 @@
 //! What a build writes.
 
-use crate::cloth::CLOTH;
+use crate::cloth::{CLOTH, cloth_and};
 use crate::folder::Folder;
 use tailor::usd::{ReadOptions, Source};
 
@@ -192,4 +192,20 @@ fn a_time_chooses_the_points() {
     };
     assert_ne!(wide("1"), wide("2"));
     assert_eq!(wide("2"), wide("7"), "the last sample holds on");
+}
+
+#[test]
+fn a_strict_build_writes_nothing_where_there_is_more_than_a_note() {
+    let folder = with_cloth();
+    folder.file("warned.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
+    for command in ["build warned.usda --strict -o out/coat.usda", "check warned.usda --strict"] {
+        let run = folder.run(command);
+        run.says(&["error[strict-warning]: tailor:sim:stretch: not-carried: not carried"]);
+        assert_eq!(run.code, Some(1), "{command}");
+        assert!(!run.stdout.contains("good"), "{run}");
+    }
+    assert!(folder.written().is_empty());
+    folder.good("build in.usda --strict -o out/coat.usda --set sim.maxEdgeLength=0.1");
+    folder.good("check out/coat.usda --strict").prints(&["good, and fresh"]);
+    folder.good("build warned.usda -o out/warned.usda").says(&["warning[not-carried]"]);
 }

@@ -24,6 +24,8 @@ pub struct Request {
     pub max_faces: Option<usize>,
     render_per_panel: bool,
     mark: bool,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    strict: bool,
     sets: Sets,
     pub variants: Option<String>,
     pub all: bool,
@@ -51,6 +53,7 @@ impl Request {
             max_faces: Some(build.max_faces),
             render_per_panel: build.render_per_panel,
             mark: build.mark,
+            strict: build.strict,
             sets: build.sets,
             variants: build.variants.clone(),
             all: inputs.several.all,

@@ -184,6 +184,7 @@ export type ErrorCode =
   | "write-failed"
   | "not-written-back"
   | "stale-output"
+  | "strict-warning"
   | "name-taken"
   | "no-mesh"
   | "several-meshes"
