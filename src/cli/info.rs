@@ -21,7 +21,7 @@ use crate::{Builder, Mesh, Plan, PrimvarRole, Recipe};
 use recorded::RecordedBuild;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Describes each input and the meshes that `build` would write for it.
 pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
@@ -29,20 +29,17 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
     each(args, |file, found| {
         let mut garments = Vec::new();
         let made = RecordedBuild::of(&args.inputs, file);
-        for Opening { variant, garments: opened } in open(args, file, made.as_ref())? {
+        let (openings, payloads) = opened(args, file, made.as_ref(), found)?;
+        for Opening { variant, garments: opened } in openings {
             for garment in opened {
-                let (source, builder, recipe) = garment.check()?;
-                let mut builder = limited(builder, made.as_ref(), limit);
-                found.warnings.extend(builder.warnings().iter().cloned());
-                let plan = builder.plan(&recipe)?;
-                title(&mut found.text, source.facts(), variant.as_ref());
-                if let Some(made) = &made {
-                    let _ = writeln!(found.text, "  made     {}", made.in_words(file)?);
-                }
-                let sets = builder.listed_sets(&plan.recipe);
-                describe(&mut found.text, source.facts(), &builder, &plan, &sets, args.inputs.verbose);
-                panels(&mut found.text, &source);
-                garments.push(json::garment(source.facts(), variant.as_ref(), &builder, &plan, &sets));
+                let of = Origin { file, variant: variant.as_ref(), made: made.as_ref(), payload: None };
+                garments.push(describe(args, found, garment, &of, limit)?);
+            }
+        }
+        for (prim, recipe) in &payloads {
+            for garment in args.inputs.open(recipe)? {
+                let of = Origin { file, variant: None, made: None, payload: Some(prim) };
+                garments.push(describe(args, found, garment, &of, limit)?);
             }
         }
         found.json = if garments.len() == 1 { garments.remove(0) } else { json!({ "garments": garments }) };
@@ -51,6 +48,64 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
         }
         if args.strict { found.warnings.strict() } else { Ok(()) }
     })
+}
+
+/// What a garment of an input comes by.
+struct Origin<'a> {
+    file: &'a Path,
+    variant: Option<&'a Selection>,
+    /// The build that made the input.
+    made: Option<&'a RecordedBuild>,
+    /// The prim whose payload it is.
+    payload: Option<&'a str>,
+}
+
+/// Describes a garment in the text, and returns the same as JSON.
+fn describe(
+    args: &ExamineArgs,
+    found: &mut Found,
+    garment: OpenGarment,
+    of: &Origin<'_>,
+    limit: usize,
+) -> Result<Value, Error> {
+    let (source, builder, recipe) = garment.check()?;
+    let mut builder = limited(builder, of.made, limit);
+    found.warnings.extend(builder.warnings().iter().cloned());
+    let plan = builder.plan(&recipe)?;
+    title(&mut found.text, source.facts(), of.variant);
+    if let Some(made) = of.made {
+        let _ = writeln!(found.text, "  made     {}", made.in_words(of.file)?);
+    }
+    if let Some(prim) = of.payload {
+        let _ = writeln!(found.text, "  payload  of {prim}, whose own options are not read here");
+    }
+    let sets = builder.listed_sets(&plan.recipe);
+    describe_mesh(&mut found.text, source.facts(), &builder, &plan, &sets, args.inputs.verbose);
+    panels(&mut found.text, &source);
+    let mut described = json::garment(source.facts(), of.variant, &builder, &plan, &sets);
+    if let Some(prim) = of.payload {
+        described["payload"] = json!(prim);
+    }
+    Ok(described)
+}
+
+/// The garments of a file itself, and the prims and files of the payloads that bring others.
+fn opened(
+    args: &ExamineArgs,
+    file: &Path,
+    made: Option<&RecordedBuild>,
+    found: &mut Found,
+) -> Result<(Vec<Opening>, Vec<(String, PathBuf)>), Error> {
+    let payloads = std::mem::take(&mut found.payloads.recipes);
+    // A prim that is named is looked at alone.
+    let payloads = if args.inputs.prim.is_some() { Vec::new() } else { payloads };
+    match open(args, file, made) {
+        // Its garments are those of the payloads.
+        Err(error) if is_no_mesh(&error) && !payloads.is_empty() && !found.payloads.has_other_faults => {
+            Ok((Vec::new(), payloads))
+        }
+        openings => Ok((openings?, payloads)),
+    }
 }
 
 /// Opens the garments of a file; those of an output as they were built.
@@ -77,14 +132,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
     each(args, |file, found| {
         let (mut is_fresh, mut hint) = (true, None);
         let made = RecordedBuild::of(&args.inputs, file);
-        // A prim that is named is checked alone.
-        let recipes = std::mem::take(&mut found.payloads.recipes);
-        let recipes = if args.inputs.prim.is_some() { Vec::new() } else { recipes };
-        let openings = match open(args, file, made.as_ref()) {
-            // Its garments are those of the payloads.
-            Err(error) if is_no_mesh(&error) && !recipes.is_empty() && !found.payloads.has_other_faults => Vec::new(),
-            openings => openings?,
-        };
+        let (openings, recipes) = opened(args, file, made.as_ref(), found)?;
         let has_own = !openings.is_empty();
         if made.is_none() {
             openings.iter().try_for_each(|opening| free_names(&opening.garments))?;
@@ -199,7 +247,7 @@ fn title(out: &mut String, facts: &Facts, variant: Option<&Selection>) {
     let _ = writeln!(out, "{} {}{variant}", facts.file, facts.prim);
 }
 
-fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, sets: &[ListedSet], verbose: bool) {
+fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, sets: &[ListedSet], verbose: bool) {
     let garment = builder.garment();
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
     let _ = writeln!(

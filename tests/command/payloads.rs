@@ -58,9 +58,8 @@ fn options_below_a_payload_are_named_with_their_place() {
         assert_eq!(run.stderr.matches("misplaced-option").count(), 3, "{run}");
     }
     // The garment itself is in the `.tailor` file.
-    let run = folder.run("info shot.usda");
-    assert_eq!(run.code, Some(1), "{run}");
-    run.says(&["/Shot/Coat has its garment from", "coat.tailor", "hint: name ", "coat.tailor itself as the input"]);
+    folder.good("info shot.usda").prints(&["coat.usda /Coat/model", "payload  of /Shot/Coat", "  sim  ", "  render  "]);
+    assert!(folder.good("info shot.usda --json").stdout.contains("\"payload\": \"/Shot/Coat\""));
 }
 
 #[test]

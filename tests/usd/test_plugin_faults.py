@@ -83,11 +83,11 @@ FAULTS = {
     "damaged source": (damaged, "", ["coat.usda cannot be opened"]),
     "source of another kind": (text_of('{"source": "coat.tailor.txt"}'), "", ["coat.tailor.txt"]),
     "a folder as source": (text_of('{"source": "."}'), "", ["cannot be"]),
-    "no mesh": (no_mesh, "", ["holds no mesh"]),
+    "no mesh": (no_mesh, "", ["[no-mesh]", "holds no mesh"]),
     "two meshes": (two_meshes, "", ["holds 2 meshes", "/A/model", "/B/model"]),
     "missing prim": (text_of('{"source": "coat.usda", "prim": "/Coat/shirt"}'), "", ["/Coat/shirt"]),
     "broken mesh": (broken_mesh, "", ["/Coat/model.faceVertexIndices", "99"]),
-    "taken name": (a_prim_in_the_way, "", ["/Coat/sim is taken"]),
+    "taken name": (a_prim_in_the_way, "", ["[name-taken]", "/Coat/sim is taken"]),
     "missing density": (text_of('{"source": "coat.usda", "sim": {"density": "paint"}}'), "", ["paint"]),
     "missing constraint": (text_of('{"source": "coat.usda", "sim": {"constraints": ["hem"]}}'), "", ["hem"]),
     "time that is none": (None, "time=noon", ["time", "noon"]),
@@ -224,7 +224,7 @@ assert all(held)
         folder / "coat.tailor",
         folder / "other.tailor",
     )
-    assert said.count("tailor:sim:stretch") == 2, said
+    assert said.count("[not-carried] tailor:sim:stretch") == 2, said
 
 
 def test_writing_is_refused_and_leaves_the_file_alone(folder):

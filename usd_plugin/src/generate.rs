@@ -7,7 +7,7 @@ use std::ptr;
 use std::str;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Mutex, PoisonError};
-use tailor::error::{Error, Warnings};
+use tailor::error::{Error, ErrorKind, Warnings};
 use tailor::session::{self, Session};
 
 /// Memory for cached results, unless `USDTAILOR_CACHE_MB` sets it. \[megabytes\]
@@ -67,7 +67,7 @@ impl Document {
     pub fn read(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Self, String> {
         let text = str::from_utf8(text).map_err(|_| "it is not UTF-8 text\n  hint: a recipe is JSON".to_owned())?;
         let arguments = arguments.iter().map(|a| (a.key.as_str(), a.value.as_str()));
-        let document = session::PayloadRecipe::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
+        let document = session::PayloadRecipe::new(Path::new(path), text, arguments).map_err(|e| coded(&e))?;
         Ok(Self { path: path.into(), document })
     }
 
@@ -82,19 +82,29 @@ impl Document {
     pub fn generate(&self, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
         let session = Process::own().session.as_ref().map_err(String::clone)?;
         let built = session.layer(&self.document, flattened, metadata_only);
-        let (layer, warnings) = built.map_err(|e: Error| e.to_string())?;
+        let (layer, warnings) = built.map_err(|e| coded(&e))?;
         Ok(Generated { layer, warnings: self.new_warnings(&warnings) })
     }
 
-    /// The warnings that have not been reported for this file before.
+    /// The warnings that have not been reported for this file before, the worst first.
     fn new_warnings(&self, warnings: &Warnings) -> Vec<String> {
         let mut reported = Process::own().reported.lock().unwrap_or_else(PoisonError::into_inner);
         if reported.len() > MAX_REPORTED {
             reported.clear();
         }
-        let texts = warnings.iter().map(ToString::to_string);
+        let texts = warnings.worst_first().into_iter().map(|warning| format!("[{}] {warning}", warning.code));
         texts.filter(|text| reported.insert(format!("{}\n{text}", self.path))).collect()
     }
+}
+
+/// The faults of an error with their codes, which `usdtailor explain` takes.
+fn coded(error: &Error) -> String {
+    if error.kind == ErrorKind::Internal {
+        return error.to_string();
+    }
+    let mut lines: Vec<String> = error.faults.iter().map(|fault| format!("[{}] {fault}", fault.code)).collect();
+    lines.extend((error.more > 0).then(|| format!("and {} more", error.more)));
+    lines.join("\n")
 }
 
 /// The number of threads by OpenUSD's `PXR_WORK_THREAD_LIMIT`: all if it is unset or 0, and all but `n` if it is `-n`.
