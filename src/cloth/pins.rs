@@ -8,7 +8,6 @@ use super::ClothOptions;
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use crate::sim::{Baseline, SimProduct, closest_weights};
-use crate::subdivide::{Level, Numbering};
 use glam::Vec3;
 
 /// Distance from a curve or an area up to which a vertex is held. \[target lengths\]
@@ -50,14 +49,7 @@ struct Span<'a> {
 
 impl<'a> Span<'a> {
     fn of(baseline: &'a Baseline, points: &[VertexId]) -> Self {
-        let sources = &baseline.manifold.vertex_source;
-        let most = sources.iter().map(|v| v.index() + 1).max().unwrap_or(0);
-        let mut is_point = IdVec::<VertexId, bool>::filled(false, most);
-        points.iter().filter(|v| v.index() < most).for_each(|&v| is_point[v] = true);
-        let mut marked: IdVec<VertexId, bool> = sources.iter().map(|&v| is_point[v]).collect();
-        for parent in baseline.parents() {
-            marked = refined(parent, &marked);
-        }
+        let marked = baseline.spanned(points);
         let finest = baseline.levels.last().unwrap_or(&baseline.manifold.level);
         let part = |face: FaceId| {
             let corners = [0, 1, 2].map(|k| baseline.level_corner[CornerId::new(3 * face.index() + k)]);
@@ -144,20 +136,4 @@ impl Search<'_> {
 fn distance(a: Vec3, b: Vec3, c: Vec3, point: Vec3) -> f32 {
     let weights = closest_weights(a, b, c, point);
     point.distance(a * weights.x + b * weights.y + c * weights.z)
-}
-
-/// The vertices of the next level on what the marked vertices of `parent` span.
-fn refined(parent: &Level, marked: &IdVec<VertexId, bool>) -> IdVec<VertexId, bool> {
-    let (t, numbering) = (&parent.topology, Numbering::new(parent));
-    let mut child = marked.clone();
-    child.resize(numbering.vertices(), false);
-    for (edge, ends) in t.edges.enumerated() {
-        child[numbering.of_edge(edge)] = ends.iter().all(|&v| marked[v]);
-    }
-    if numbering.has_centres() {
-        for face in t.faces.ids() {
-            child[numbering.of_face(face)] = t.faces.vertices_of(face).iter().all(|&v| marked[v]);
-        }
-    }
-    child
 }

@@ -116,3 +116,13 @@ def test_what_holds_pins_is_valid(build, tmp_path):
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     errors = UsdValidation.ValidationContext(validators).Validate(product.stage)
     assert not [error.GetErrorAsString() for error in errors]
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_vertices_on_the_chains_of_an_edge_set_are_held_whole(build, tmp_path, length):
+    lengths = ["--set", f"sim.maxEdgeLength={length}", "--set", f"sim.minEdgeLength={length}", "--set", "render.level=3"]
+    product = build(marked(tmp_path, TSHIRT, "hem"), *lengths, "--set", "cloth.pins=hem")
+    points, _, held = sim_of(product)
+    far = nearest(points, span(product))
+    assert held.sum() > 20 and far[held].max() < 0.45 * length
+    assert held[far < 0.1 * length].all()

@@ -15,10 +15,10 @@ use crate::sim::constraints::chain::Chain;
 use crate::sim::constraints::feature_lines::{BluntRidge, NarrowStrip};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::small_shells::SmallShells;
-use crate::subdivide::{Level, Real};
+use crate::subdivide::{Level, Numbering, Real};
 use facets::Facet;
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A point of the baseline, in barycentric coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +111,27 @@ impl Baseline {
             level_face = parent.topology.faces.face_of(corner);
         }
         self.manifold.corner_source[corner]
+    }
+
+    /// The vertices of the finest level on the curves and areas that points of the garment span: the edges with both ends in the set,
+    /// and the faces with all corners.
+    pub fn spanned(&self, points: &[VertexId]) -> IdVec<VertexId, bool> {
+        let sources = &self.manifold.vertex_source;
+        let wanted: BTreeSet<VertexId> = points.iter().copied().collect();
+        let mut marked: IdVec<VertexId, bool> = sources.iter().map(|source| wanted.contains(source)).collect();
+        for parent in self.parents() {
+            let (t, numbering) = (&parent.topology, Numbering::new(parent));
+            let mut child = marked.clone();
+            child.resize(numbering.vertices(), false);
+            for (edge, ends) in t.edges.enumerated() {
+                child[numbering.of_edge(edge)] = ends.iter().all(|&v| marked[v]);
+            }
+            for face in t.faces.ids().filter(|_| numbering.has_centres()) {
+                child[numbering.of_face(face)] = t.faces.vertices_of(face).iter().all(|&v| marked[v]);
+            }
+            marked = child;
+        }
+        marked
     }
 
     /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
