@@ -89,13 +89,16 @@ fn describe(
     Ok(described)
 }
 
+/// The prim that has a payload, and the `.tailor` file.
+type Payload = (String, PathBuf);
+
 /// The garments of a file itself, and the prims and files of the payloads that bring others.
 fn opened(
     args: &ExamineArgs,
     file: &Path,
     made: Option<&RecordedBuild>,
     found: &mut Found,
-) -> Result<(Vec<Opening>, Vec<(String, PathBuf)>), Error> {
+) -> Result<(Vec<Opening>, Vec<Payload>), Error> {
     let payloads = std::mem::take(&mut found.payloads.recipes);
     // A prim that is named is looked at alone.
     let payloads = if args.inputs.prim.is_some() { Vec::new() } else { payloads };
