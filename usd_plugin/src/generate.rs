@@ -7,7 +7,7 @@ use std::ptr;
 use std::str;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Mutex, PoisonError};
-use tailor::error::{Error, ErrorKind, Warnings};
+use tailor::error::{Error, ErrorKind, Fault, Warnings};
 use tailor::session::{self, Session};
 
 /// Memory for cached results, unless `USDTAILOR_CACHE_MB` sets it. \[megabytes\]
@@ -67,7 +67,7 @@ impl Document {
     pub fn read(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Self, String> {
         let text = str::from_utf8(text).map_err(|_| "it is not UTF-8 text\n  hint: a recipe is JSON".to_owned())?;
         let arguments = arguments.iter().map(|a| (a.key.as_str(), a.value.as_str()));
-        let document = session::PayloadRecipe::new(Path::new(path), text, arguments).map_err(|e| coded(&e))?;
+        let document = session::PayloadRecipe::new(Path::new(path), text, arguments).map_err(|e| coded(&e, path))?;
         Ok(Self { path: path.into(), document })
     }
 
@@ -82,7 +82,7 @@ impl Document {
     pub fn generate(&self, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
         let session = Process::own().session.as_ref().map_err(String::clone)?;
         let built = session.layer(&self.document, flattened, metadata_only);
-        let (layer, warnings) = built.map_err(|e| coded(&e))?;
+        let (layer, warnings) = built.map_err(|e| coded(&e, &self.path))?;
         Ok(Generated { layer, warnings: self.new_warnings(&warnings) })
     }
 
@@ -97,12 +97,16 @@ impl Document {
     }
 }
 
-/// The faults of an error with their codes, which `usdtailor explain` takes.
-fn coded(error: &Error) -> String {
+/// The faults of an error with their codes, which `usdtailor explain` takes. Each message of the file `path` begins with its name.
+fn coded(error: &Error, path: &str) -> String {
     if error.kind == ErrorKind::Internal {
         return error.to_string();
     }
-    let mut lines: Vec<String> = error.faults.iter().map(|fault| format!("[{}] {fault}", fault.code)).collect();
+    let line = |fault: &Fault| {
+        let place = if fault.place == path { String::new() } else { fault.place.clone() };
+        format!("[{}] {}", fault.code, Fault { place, ..fault.clone() })
+    };
+    let mut lines: Vec<String> = error.faults.iter().map(line).collect();
     lines.extend((error.more > 0).then(|| format!("and {} more", error.more)));
     lines.join("\n")
 }
