@@ -291,9 +291,7 @@ impl Warnings {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
-}
 
-impl Warnings {
     /// Makes each warning that is more than a note a fault of an error.
     ///
     /// # Errors

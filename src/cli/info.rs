@@ -8,7 +8,7 @@ mod recorded;
 use super::process::memory;
 use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
-use crate::error::{Error, ErrorCode, ErrorKind, Severity, Warnings};
+use crate::error::{Error, ErrorCode, ErrorKind, Fault, Severity, Warnings};
 use crate::options::{Domain, Given};
 use crate::session::OpenGarment;
 use crate::sets::ListedSet;
@@ -224,7 +224,8 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
         // The error has what is more than a note.
-        let is_strict = result.as_ref().is_err_and(|error| error.faults[0].code == ErrorCode::StrictWarning);
+        let is_strict_fault = |fault: &Fault| fault.code == ErrorCode::StrictWarning;
+        let is_strict = result.as_ref().is_err_and(|error| error.faults.iter().any(is_strict_fault));
         let warnings = found.warnings.worst_first().into_iter();
         let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);
         text::print_warnings(warnings, inputs.quiet || args.json, several.then_some(&file));
