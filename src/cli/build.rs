@@ -255,7 +255,7 @@ fn built(
         garments.push(Built { variant, ..built });
     }
     if build.strict {
-        // What is lost in writing is known by a rehearsal.
+        // A rehearsal finds the warnings of writing before anything is written.
         write(build, output, record.clone(), &sources, &mut garments, true)?;
         garments.iter().try_for_each(|built| built.warnings.strict())?;
     }

@@ -50,7 +50,7 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
     })
 }
 
-/// What a garment of an input comes by.
+/// Where a garment of an input comes from.
 struct Origin<'a> {
     file: &'a Path,
     variant: Option<&'a Selection>,

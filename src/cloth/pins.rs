@@ -7,7 +7,7 @@
 use super::ClothOptions;
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::sim::{Baseline, SimProduct, closest_weights};
+use crate::sim::{Baseline, SimProduct, distance_to_segment};
 use glam::Vec3;
 
 /// Distance from a curve or an area up to which a vertex is held. \[target lengths\]
@@ -32,7 +32,7 @@ pub fn pins(options: &ClothOptions, garment: &Mesh, product: &SimProduct, mesh: 
     held
 }
 
-/// What is held of a triangle of the baseline.
+/// The pinned part of a triangle of the baseline.
 #[derive(Clone, Copy, Default)]
 struct Part {
     is_whole: bool,
@@ -74,22 +74,25 @@ impl<'a> Span<'a> {
         for (corner, &vertex) in product.triangles.as_flattened().iter().enumerate() {
             let start = product.places[CornerId::new(corner)].location.face;
             if !held[vertex] && last[vertex].replace(start) != Some(start) {
-                held[vertex] = search.is_near(start, product.points[vertex], REACH * product.target[vertex]);
+                held[vertex] = search.finds(start, product.points[vertex], REACH * product.target[vertex]);
             }
         }
         held.enumerated().filter(|(_, held)| **held).map(|(vertex, _)| vertex).collect()
     }
 
-    /// Whether what is held of a triangle is within `reach` of a point.
-    fn is_within(&self, face: FaceId, point: Vec3, reach: f32) -> bool {
+    /// Whether the pinned part of a triangle is within `reach` of a point.
+    fn is_pinned_within(&self, face: FaceId, point: Vec3, reach: f32) -> bool {
         let Part { is_whole, edges, corners } = self.parts[face];
-        let [a, b, c] = self.baseline.triangle(face);
-        let is_near = |a, b, c| distance(a, b, c, point) <= reach;
-        is_whole && is_near(a, b, c)
-            || edges[0] && is_near(a, b, b)
-            || edges[1] && is_near(b, c, c)
-            || edges[2] && is_near(c, a, a)
-            || [a, b, c].iter().zip(corners).any(|(&at, is_held)| is_held && at.distance(point) <= reach)
+        let triangle = self.baseline.triangle(face);
+        let is_edge_near = |k: usize| distance_to_segment(point, triangle[k], triangle[(k + 1) % 3]) <= reach;
+        is_whole && self.is_triangle_within(face, point, reach)
+            || (0..3).any(|k| edges[k] && is_edge_near(k))
+            || (0..3).any(|k| corners[k] && triangle[k].distance(point) <= reach)
+    }
+
+    /// Whether a triangle is within `reach` of a point.
+    fn is_triangle_within(&self, face: FaceId, point: Vec3, reach: f32) -> bool {
+        self.baseline.on_triangle(face, point).distance_squared <= reach * reach
     }
 }
 
@@ -103,8 +106,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Whether anything is held within `reach` of a point, over triangles that are connected there to `start`.
-    fn is_near(&mut self, start: FaceId, point: Vec3, reach: f32) -> bool {
+    /// Whether anything pinned is within `reach` of a point, over triangles that are connected there to `start`.
+    fn finds(&mut self, start: FaceId, point: Vec3, reach: f32) -> bool {
         let Span { baseline, .. } = *self.span;
         self.round += 1;
         self.found.clear();
@@ -112,14 +115,13 @@ impl Search<'_> {
         let mut at = 0;
         while let Some(&face) = self.found.get(at) {
             at += 1;
-            if self.span.is_within(face, point, reach) {
+            if self.span.is_pinned_within(face, point, reach) {
                 return true;
             }
             for corner in baseline.topology.faces.corners_of(face) {
                 let Some(twin) = baseline.topology.twin(corner) else { continue };
                 let next = baseline.topology.faces.face_of(twin);
-                let [a, b, c] = baseline.triangle(next);
-                if self.seen[next] != self.round && distance(a, b, c, point) <= reach {
+                if self.seen[next] != self.round && self.span.is_triangle_within(next, point, reach) {
                     self.add(next);
                 }
             }
@@ -131,9 +133,4 @@ impl Search<'_> {
         self.seen[face] = self.round;
         self.found.push(face);
     }
-}
-
-fn distance(a: Vec3, b: Vec3, c: Vec3, point: Vec3) -> f32 {
-    let weights = closest_weights(a, b, c, point);
-    point.distance(a * weights.x + b * weights.y + c * weights.z)
 }

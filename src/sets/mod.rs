@@ -15,8 +15,7 @@ mod select;
 mod tests;
 
 pub use evaluate::Function;
-pub(crate) use expression::quoted;
-pub(crate) use expression::split_list;
+pub(crate) use expression::{quoted, split_list};
 pub use functions::FUNCTIONS;
 pub use functions::checksum;
 pub use list::ListedSet;

@@ -21,6 +21,7 @@ pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::{Chain, ChainKind};
 pub use constraints::feature_lines::{BluntRidge, NarrowStrip};
 pub use geometry::closest_weights;
+pub(crate) use geometry::distance_to_segment;
 pub use options::{Relaxation, SimOptions};
 pub use passes::remesh::RemeshReport;
 pub use product::{CurveGap, SimProduct, simulate};

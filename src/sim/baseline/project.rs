@@ -90,7 +90,7 @@ impl Baseline {
 
     /// The closest point of one triangle.
     #[inline]
-    fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
+    pub(crate) fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
         let [a, b, c] = self.triangle(face);
         let weights = closest_weights(a, b, c, point);
         let position = Self::mix(weights, [a, b, c]);
