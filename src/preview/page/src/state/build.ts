@@ -4,7 +4,7 @@ import type { Store } from "./store";
 
 /** The output that is proposed for an input: beside it, under the name that a folder of outputs has. */
 export function outputOf(input: string): string {
-  return `${input.replace(/\.[^./\\]*$/, "")}_tailored.usda`;
+  return `${input.replace(/\.[^./\\]*$/, "")}_tailored.usdc`;
 }
 
 export function buildCommand(input: string, output: string): string {

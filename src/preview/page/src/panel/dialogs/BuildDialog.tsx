@@ -16,7 +16,9 @@ function Dialog({ input }: { input: string | null }) {
   const store = useStore();
   const isLive = useLive();
   const dialog = useRef<HTMLDialogElement>(null);
-  const [path, setPath] = useState(outputOf(input ?? ""));
+  const [typed, setTyped] = useState<string | null>(null);
+  // The dialog that follows a save is open before the path of what was saved arrives.
+  const path = typed ?? (input === null ? "" : outputOf(input));
   const [isSure, setSure] = useState(false);
   const build = useSelect((state) => state.build);
   const own = build?.output === path ? build : null;
@@ -49,7 +51,7 @@ function Dialog({ input }: { input: string | null }) {
             value={path}
             spellcheck={false}
             autocomplete="off"
-            onInput={({ currentTarget }) => setPath(currentTarget.value)}
+            onInput={({ currentTarget }) => setTyped(currentTarget.value)}
           />
         </label>
         <div class="field">
