@@ -16,9 +16,22 @@ pub trait OrUnreadable<T> {
 
 impl<T, E: Display> OrUnreadable<T> for Result<T, E> {
     fn or_unreadable(self, path: &sdf::Path) -> Result<T, Error> {
-        self.map_err(|e| Error::usd(format!("{path} cannot be read: {e}")))
+        self.map_err(|e| {
+            let words = e.to_string();
+            let fault = Error::usd(format!("{path} cannot be read: {words}"));
+            if !words.contains(UNDECODED) {
+                return fault;
+            }
+            fault.code(ErrorCode::NotSupported).remedy(
+                "the crate may be of an old version: write it again, for example by `usdcat OLD -o NEW`; it is damaged if \
+                 that fails too",
+            )
+        })
     }
 }
+
+/// The library's words of a value that a crate has and that it cannot decode: such as time samples of version 0.4.0.
+const UNDECODED: &str = "failed to decode field";
 
 /// The prim at `path`.
 pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, Error> {
@@ -155,4 +168,19 @@ pub fn subset_prims(mesh: &Prim) -> Result<Vec<Prim>, Error> {
         }
     }
     Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_of_an_old_crate_is_not_called_damaged() {
+        let path = sdf::Path::new("/Top/mesh_0").expect("a path");
+        let of = |words: &str| Err::<(), _>(words).or_unreadable(&path).expect_err("a failure").faults.remove(0);
+        let old = of("failed to decode field \"timeSamples\" at /Top/mesh_0.points");
+        assert_eq!(old.code, ErrorCode::NotSupported);
+        assert!(old.remedy.contains("usdcat"), "{}", old.remedy);
+        assert_eq!(of("the end of the file came too early").code, ErrorCode::DamagedFile);
+    }
 }

@@ -198,7 +198,7 @@ fn not_usd(file: &Path, words: &str) -> Error {
         fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")
     } else if let Some(version) = obsolete_crate(&content) {
         unsupported(&format!(
-            "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by an old usdcat"
+            "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by the usdcat of an old OpenUSD"
         ))
     } else if NEWER.iter().any(|sign| words.contains(sign)) {
         unsupported("it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`")
