@@ -69,6 +69,7 @@ mod subdivide;
 #[cfg(test)]
 mod testing;
 mod transfer;
+mod trim;
 #[cfg(feature = "usd")]
 pub mod usd;
 
@@ -90,6 +91,7 @@ pub use pipeline::{
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, RowSide, SeamOptions, Side};
 pub use sim::{Relaxation, SimOptions};
+pub use trim::{TrimMode, TrimOptions};
 
 /// Operators of your own for the render mesh.
 ///

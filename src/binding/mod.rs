@@ -33,17 +33,12 @@ impl Binding {
             (origins.points[vertex], origins.faces.row(vertex))
         };
         let found = places.find(render.points.len(), origin);
-        let normals = vertex_normals(sim);
-        let triangles = LazyLock::new(|| NearestTriangle::new(sim));
+        let surface = BindSurface::new(sim);
         let place = |(i, found): (usize, &Option<(FaceId, Vec3)>)| {
             let (origin, point) = (origins.points[VertexId::new(i)], render.points[VertexId::new(i)]);
-            let (face, weights) = found.unwrap_or_else(|| triangles.to(origin));
-            let corners = [0, 1, 2].map(|k| sim.faces.vertices_of(face)[k]);
-            let mean = |values: &IdVec<VertexId, Vec3>| -> Vec3 {
-                corners.iter().zip(weights.to_array()).map(|(&v, w)| w * values[v]).sum()
-            };
-            let height = (point - mean(&sim.points)).dot(mean(&normals).normalize_or_zero());
-            (face.index() as u32, Vec3::new(weights.x, weights.y, height))
+            // A part of the garment that the simulation mesh lacks takes the nearest triangle of all.
+            let (face, weights) = found.unwrap_or_else(|| surface.nearest(origin));
+            (face.index() as u32, surface.coords(face, weights, point))
         };
         let (faces, coords) = found.par_iter().enumerate().map(place).unzip();
         Self { faces, coords }
@@ -75,27 +70,45 @@ fn vertex_normals(mesh: &Mesh) -> IdVec<VertexId, Vec3> {
     normals
 }
 
-/// The nearest triangle of all, for vertices on a part of the garment that the simulation mesh lacks.
-struct NearestTriangle<'a> {
+/// A simulation mesh to which points are bound.
+pub struct BindSurface<'a> {
     mesh: &'a Mesh,
-    search: NearestSearch,
+    normals: IdVec<VertexId, Vec3>,
+    search: LazyLock<NearestSearch, Box<dyn FnOnce() -> NearestSearch + Send + 'a>>,
 }
 
-impl<'a> NearestTriangle<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
+impl<'a> BindSurface<'a> {
+    /// The surface of a mesh of triangles.
+    pub fn new(mesh: &'a Mesh) -> Self {
         let aabb = |face: FaceId| {
             let points = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v].into());
             points.fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }))
         };
-        let boxes: Vec<Aabb> = mesh.faces.ids().map(aabb).collect();
-        Self { mesh, search: NearestSearch::new(&boxes) }
+        let search = move || NearestSearch::new(&mesh.faces.ids().map(aabb).collect::<Vec<_>>());
+        Self { mesh, normals: vertex_normals(mesh), search: LazyLock::new(Box::new(search)) }
     }
 
     /// The triangle nearest to a point, and the weights of its corners at the nearest point.
-    fn to(&self, point: Vec3) -> (FaceId, Vec3) {
+    pub fn nearest(&self, point: Vec3) -> (FaceId, Vec3) {
         let squared = |face: usize, from: DVec3| self.nearest_of(FaceId::new(face), from.as_vec3()).0;
         let found = self.search.nearest(point, squared).map(FaceId::new);
         found.map_or((FaceId::new(0), Vec3::X), |face| (face, self.nearest_of(face, point).1))
+    }
+
+    /// The distance of a point. \[mesh units\]
+    pub fn distance(&self, point: Vec3) -> f32 {
+        let (face, _) = self.nearest(point);
+        self.nearest_of(face, point).0.sqrt() as f32
+    }
+
+    /// The coordinates of `point`, bound at a place of a triangle: two weights, and the height over it.
+    pub fn coords(&self, face: FaceId, weights: Vec3, point: Vec3) -> Vec3 {
+        let corners = [0, 1, 2].map(|k| self.mesh.faces.vertices_of(face)[k]);
+        let mean = |values: &IdVec<VertexId, Vec3>| -> Vec3 {
+            corners.iter().zip(weights.to_array()).map(|(&v, w)| w * values[v]).sum()
+        };
+        let height = (point - mean(&self.mesh.points)).dot(mean(&self.normals).normalize_or_zero());
+        Vec3::new(weights.x, weights.y, height)
     }
 
     /// The squared distance of a triangle from a point, and the weights of its corners at the nearest point.

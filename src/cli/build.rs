@@ -15,8 +15,8 @@ use crate::meter::PassedLimit;
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
-    BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_target, product_names,
-    write_all,
+    BoundTrim, BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_target,
+    product_names, write_all,
 };
 use crate::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
 use batch::{Budget, run_all};
@@ -81,6 +81,8 @@ pub struct Built {
     pub cloth: Option<ClothFigures>,
     /// Files of which the output, a package, has a copy.
     pub packed: Vec<PathBuf>,
+    /// The trims that ride on it.
+    pub trims: Vec<BoundTrim>,
     pub timings: Vec<Timing>,
     pub warnings: Warnings,
 }
@@ -305,8 +307,8 @@ fn garment(
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
     let warnings = products.warnings.clone();
-    let (panels, packed) = (Vec::new(), Vec::new());
-    Ok(Built { prim, variant: None, names, panels, packed, products, sim, render, cloth, timings, warnings })
+    let (panels, packed, trims) = (Vec::new(), Vec::new(), Vec::new());
+    Ok(Built { prim, variant: None, names, panels, packed, trims, products, sim, render, cloth, timings, warnings })
 }
 
 /// Writes the products of all garments, or rehearses it. The last one gets the time of it, and its warnings.
@@ -336,6 +338,9 @@ fn write(
             .collect();
         write_all(&all, output, &options)
     })?;
+    for (number, built) in garments.iter_mut().enumerate() {
+        built.trims = written.trims.iter().filter(|trim| trim.garment == number).cloned().collect();
+    }
     if let Some(last) = garments.last_mut() {
         last.timings.extend(timings);
         last.warnings.extend(warnings);

@@ -12,6 +12,7 @@ use crate::error::{Error, ErrorCode, ErrorKind, Fault, Severity, Warnings};
 use crate::options::{Domain, Given};
 use crate::session::OpenGarment;
 use crate::sets::ListedSet;
+use crate::trim::Ride;
 use crate::units::in_words;
 use crate::usd::{
     Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names, tailor_payloads,
@@ -82,7 +83,13 @@ fn describe(
     let sets = builder.listed_sets(&plan.recipe);
     describe_mesh(&mut found.text, source.facts(), &builder, &plan, &sets, args.inputs.verbose);
     panels(&mut found.text, &source);
+    let trims = source.trims(&recipe.trim, builder.garment().size())?;
+    for (prim, ride) in &trims {
+        let _ = writeln!(found.text, "  trim     {prim}: {}", ride.in_words());
+    }
     let mut described = json::garment(source.facts(), of.variant, &builder, &plan, &sets);
+    let trim = |(prim, ride): &(String, Ride)| json!({ "prim": prim, "pieces": ride.pieces(), "rigid": ride.rigid() });
+    described["trims"] = trims.iter().map(trim).collect();
     if let Some(prim) = of.payload {
         described["payload"] = json!(prim);
     }
@@ -145,6 +152,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             let mut builder = limited(builder, made.as_ref(), limit);
             let products = builder.update(&recipe)?;
             found.warnings.extend(products.warnings.iter().cloned());
+            source.trims(&products.recipe.trim, builder.garment().size())?;
             is_fresh &= fresh(&source)?;
             let sets = || builder.listed_sets(&products.recipe);
             hint = hint.or(listed::hint(builder.garment(), &products.recipe, sets));

@@ -160,6 +160,11 @@ fn garment(task: &Task, built: &Built) -> Value {
         |(name, panel)| json!({ "name": name, "vertices": panel.mesh.points.len(), "faces": panel.mesh.faces.len() }),
     );
     report["renderPanels"] = panels.collect();
+    let trims = built.trims.iter().map(|trim| {
+        let (pieces, rigid, gap) = (trim.ride.pieces(), trim.ride.rigid(), trim.ride.gap);
+        json!({ "prim": trim.prim, "name": trim.name, "pieces": pieces, "rigid": rigid, "gap": gap })
+    });
+    report["trims"] = trims.collect();
     if let (Value::Object(report), Value::Object(head)) = (&mut report, head(task, "built")) {
         report.extend(head);
     }

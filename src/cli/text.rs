@@ -184,6 +184,9 @@ fn summary(built: &Built, verbose: bool) -> String {
     if let Some(figures) = &built.cloth {
         t += &cloth(figures, s.short_edges.len());
     }
+    for trim in &built.trims {
+        let _ = writeln!(t, "  trim    {}: {}", trim.prim, trim.ride.in_words());
+    }
     t += &times(&built.timings);
     if verbose {
         let m = products.remesh();

@@ -114,6 +114,12 @@ impl Driver {
         self.bound.par_iter().map(|bound| bound.at(sim, &rotations)).collect()
     }
 
+    /// The rotation of each bound point from bind, with the simulation mesh at `sim`.
+    pub fn rotations(&self, sim: &[Vec3]) -> Vec<Quat> {
+        let rotations = self.frames.rotations(sim);
+        self.bound.par_iter().map(|bound| bound.turn(&rotations)).collect()
+    }
+
     /// Directions that turn with bound points: `directions` at bind, each with the number of its point in `of`.
     pub fn directions(&self, sim: &[Vec3], directions: &[Vec3], of: &[u32]) -> Vec<Vec3> {
         let rotations = self.frames.rotations(sim);
@@ -189,6 +195,21 @@ mod tests {
         let bent: Vec<Vec3> = sim.iter().map(|p| vec3(p.x.sin() * 2.0, p.y * 1.2, p.x.cos() * 2.0 + p.z)).collect();
         let moved = driver.points(&bent);
         assert!((moved[0].distance(moved[1]) - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn points_at_one_place_move_as_one() {
+        let (sim, triangles) = strip();
+        let points: Vec<Vec3> = (0..8).map(|i| vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
+        let (faces, coords) = ([3; 8], [vec3(0.2, 0.3, 0.0); 8]);
+        let pose =
+            BindPose { sim_points: &sim, triangles: &triangles, points: &points, faces: &faces, coords: &coords };
+        let driver = Driver::new(&pose).expect("a good pose");
+        let bent: Vec<Vec3> = sim.iter().map(|p| vec3(p.x.sin() * 2.0, p.y * 1.2, p.x.cos() * 2.0 + p.z)).collect();
+        let (moved, turns) = (driver.points(&bent), driver.rotations(&bent));
+        for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
+            assert!((moved[a] - moved[b]).distance(turns[0] * (points[a] - points[b])) < 1e-5);
+        }
     }
 
     #[test]

@@ -59,6 +59,8 @@ pub enum Code {
     AreaChanged,
     /// Face subsets are too small for the triangles of the simulation mesh.
     SetsBlurred,
+    /// A trim lies away from the cloth that it rides on.
+    TrimOffCloth,
     /// A seam is narrower than its width, or lacks a row.
     NarrowSeam,
     /// A seam is pushed less than its offset.
@@ -157,7 +159,8 @@ impl Code {
             | Self::SmallShells
             | Self::UvConfetti
             | Self::UvFlips
-            | Self::NoPattern => Severity::Quality,
+            | Self::NoPattern
+            | Self::TrimOffCloth => Severity::Quality,
             Self::NonManifoldEdges
             | Self::BowTieVertices
             | Self::UnusedPoints

@@ -59,6 +59,8 @@ pub enum Domain {
     },
     /// The path of a prim, or empty.
     PrimPath,
+    /// Prims, by path or by name beside the mesh.
+    Prims,
     /// A UV set, or empty.
     UvSet,
     /// A painted float primvar, or empty.
@@ -106,6 +108,10 @@ impl Domain {
             (Self::Choice { words }, Given::Text(word)) => one_of(key, word, words),
             (Self::Words { words }, Given::Names(given)) => given.iter().try_for_each(|word| one_of(key, word, words)),
             (Self::PrimPath, Given::Text(path)) => prim_path(key, path),
+            (Self::Prims, Given::Names([])) => Err(Error::recipe(key, "it names no prim")
+                .code(ErrorCode::WrongPrim)
+                .remedy("name a mesh, curves, points or a PointInstancer")),
+            (Self::Prims, Given::Names(paths)) => paths.iter().try_for_each(|path| prim_or_name(key, path)),
             (Self::Sets { of, required: true }, Given::Names([])) => Err(no_set(key, of)),
             _ => Ok(()),
         }
@@ -164,12 +170,25 @@ fn one_of(key: &str, word: &str, words: &[&str]) -> Result<(), Error> {
     Err(Error::recipe(key, format!("\"{word}\" is not known")).remedy(format!("use one of: {}", words.join(", "))))
 }
 
-fn prim_path(key: &str, path: &str) -> Result<(), Error> {
+/// Whether names of prims follow one another, as in `Coat/buttons`.
+fn are_names(path: &str) -> bool {
     let is_name = |part: &str| !part.is_empty() && part.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
-    if path.is_empty() || path.strip_prefix('/').is_some_and(|parts| parts.split('/').all(is_name)) {
+    path.split('/').all(is_name)
+}
+
+fn prim_or_name(key: &str, path: &str) -> Result<(), Error> {
+    if are_names(path.strip_prefix('/').unwrap_or(path)) {
         return Ok(());
     }
-    let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(ErrorCode::PinTarget);
+    let fault = Error::recipe(key, format!("\"{path}\" is not the path or name of a prim")).code(ErrorCode::WrongPrim);
+    Err(fault.remedy("write it as /Coat/buttons, or as buttons where it is beside the mesh"))
+}
+
+fn prim_path(key: &str, path: &str) -> Result<(), Error> {
+    if path.is_empty() || path.strip_prefix('/').is_some_and(are_names) {
+        return Ok(());
+    }
+    let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(ErrorCode::WrongPrim);
     Err(fault.remedy("write it as /Body/hips, or leave it empty"))
 }
 

@@ -235,7 +235,7 @@ fn typed(domain: Domain, default: &Value, value: &Value, is_subset: IsSubset<'_>
     };
     Some(match domain {
         Domain::Sets { .. } if names()?.iter().all(|name| is_subset(name)) => OptionValue::Subsets(names()?),
-        Domain::Sets { .. } => OptionValue::Text(names()?.join(", ")),
+        Domain::Sets { .. } | Domain::Prims => OptionValue::Text(names()?.join(", ")),
         Domain::Operators | Domain::Words { .. } => OptionValue::Tokens(names()?),
         _ => match default {
             Value::Bool(_) => OptionValue::Bool(value.as_bool()?),

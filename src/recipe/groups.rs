@@ -4,6 +4,7 @@ use crate::cloth::{ClothOptions, FabricOptions};
 use crate::options::{Group, Key, OptionGroup};
 use crate::render::{FoldOptions, OperatorOptions, RenderOptions, SeamOptions};
 use crate::sim::SimOptions;
+use crate::trim::TrimOptions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::collections::BTreeMap;
@@ -103,6 +104,8 @@ groups! {
     named {
         /// Options of each fabric, by name.
         fabric: FabricOptions,
+        /// Options of each trim, by name.
+        trim: TrimOptions,
     }
 }
 

@@ -89,6 +89,13 @@ impl Layers {
         self.merged.values().all(|fields| fields.as_object().is_none_or(Map::is_empty))
     }
 
+    /// The prims of all trims, as they are named.
+    pub fn trims(&self) -> Vec<String> {
+        let trims = self.merged.get("trim").and_then(Value::as_object);
+        let lists = trims.into_iter().flat_map(Map::values).filter_map(|trim| trim.get("prims")?.as_array());
+        lists.flatten().filter_map(|name| name.as_str().map(str::to_owned)).collect()
+    }
+
     /// Takes an option out by its key, such as `sim.maxEdgeLength`. An operator that lacks the option is taken out whole. Returns
     /// whether anything was there.
     pub fn remove(&mut self, key: &str) -> bool {

@@ -103,7 +103,11 @@ impl Input {
         };
         let files: Vec<RecipeFile> = own.into_iter().chain(base).chain(given).collect();
         let named = files.iter().rev().find_map(|r| r.prim.clone());
-        let read = ReadOptions { prim: self.read.prim.clone().or(named), ..self.read.clone() };
+        let mut given = Layers::default();
+        files.iter().for_each(|recipe| given.add(recipe.clone().into_layer()));
+        self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
+        let (prim, trims) = (self.read.prim.clone().or(named), given.trims());
+        let read = ReadOptions { prim, trims, ..self.read.clone() };
         Ok(Recipes { file, read, files })
     }
 

@@ -190,7 +190,8 @@ fn products(builder: &mut Builder, layers: &Layers, mut arguments: Layers) -> Re
 pub fn written<'a>(products: &'a Products, panels: &'a [RenderPanel], names: &'a ProductNames) -> Vec<Product<'a>> {
     let cloth = products.cloth.as_deref();
     let sim = Product::new(&names.sim, ProductRole::Sim, &products.sim);
-    let sim = Product { cloth, cage_binding: Some(&products.cage_binding), ..sim };
+    let trims = Some(&products.recipe.trim);
+    let sim = Product { cloth, cage_binding: Some(&products.cage_binding), trims, ..sim };
     let meshes: Vec<_> = match panels {
         [] => vec![(None, &*products.render, &*products.binding)],
         panels => panels.iter().enumerate().map(|(i, panel)| (Some(i), &panel.mesh, &panel.binding)).collect(),

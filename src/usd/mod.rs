@@ -30,13 +30,13 @@ pub use shot::{DriveOptions, Driven, drive};
 pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]
 pub(crate) use values::type_word;
+pub use write::{
+    BoundTrim, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written,
+    check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
+};
 #[cfg(feature = "preview")]
 pub(crate) use write::{
     EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside, write_recipe,
-};
-pub use write::{
-    Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written, check_product_names,
-    check_target, layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
 };
 
 use crate::error::Error;

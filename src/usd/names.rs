@@ -59,6 +59,11 @@ pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 /// Name and namespace of material bindings.
 pub const MATERIAL_BINDING: &str = "material:binding";
 pub const POINT_INSTANCER: &str = "PointInstancer";
+// Attributes of PointInstancers.
+pub const POSITIONS: &str = "positions";
+pub const ORIENTATIONS: &str = "orientations";
+/// The same in single precision, which newer versions of USD prefer.
+pub const ORIENTATIONS_F: &str = "orientationsf";
 /// The relationship of a PointInstancer to what it repeats.
 pub const PROTOTYPES: &str = "prototypes";
 /// How strong a binding is against those below its prim.
@@ -94,6 +99,11 @@ pub const BINDING: [&str; 3] = ["primvars:tailor:bindFace", "primvars:tailor:bin
 pub const MODEL_BINDING: [&str; 3] = ["tailor:model:bindFace", "tailor:model:bindCoords", "tailor:model:source"];
 /// Namespace of the recipe. A product has the bindings and attachments above in it.
 pub const RECIPE: &str = "tailor:";
+
+/// Whether a property is the option with the prims of a trim.
+pub fn is_trim_prims(property: &str) -> bool {
+    property.starts_with("tailor:trim:") && property.ends_with(":prims")
+}
 
 /// Whether a build wrote this property on a product. A build of that product writes it anew: it is neither an option nor a
 /// primvar of the model.

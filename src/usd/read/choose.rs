@@ -1,13 +1,14 @@
 //! Choosing the mesh to work on.
 
 use super::diagnostics::{in_words, recipe_of};
-use super::query::{OrUnreadable, is_a, is_product, prim_at, value};
+use super::query::{OrUnreadable, is_a, is_product, prim_at, property_names, value};
 use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::values::text;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Paths that a message lists.
@@ -26,7 +27,7 @@ const MAX_PRIMS: usize = 100_000;
 pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<Prim, Error> {
     let prim = match &options.prim {
         Some(path) => named_mesh(stage, file, path)?,
-        None => only_mesh(stage, file)?,
+        None => only_mesh(stage, file, &options.trims)?,
     };
     check_instance(&prim)?;
     Ok(prim)
@@ -93,10 +94,12 @@ fn without_products(stage: &Stage, meshes: &[sdf::Path]) -> Result<Vec<sdf::Path
     Ok(found)
 }
 
-fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
+fn only_mesh(stage: &Stage, file: &Path, trims: &[String]) -> Result<Prim, Error> {
     let all = all_meshes(stage, file)?;
     let mut garments = without_products(stage, &all)?;
     if garments.len() > 1 {
+        let trims = named_trims(stage, &garments, trims)?;
+        garments.retain(|path| !trims.iter().any(|trim| path.has_prefix(trim)));
         let repeated = prototypes(stage, file)?;
         let found = garments.clone();
         garments.retain(|path| instancer_of(path, &repeated).is_none());
@@ -135,6 +138,44 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
             .code(ErrorCode::SeveralMeshes)
             .remedy(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
+}
+
+/// The prims that options of meshes, or of prims above them, name as trims, and those that are `given` by path or by name beside a
+/// mesh. All meshes below them are trims.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn named_trims(stage: &Stage, meshes: &[sdf::Path], given: &[String]) -> Result<BTreeSet<sdf::Path>, Error> {
+    let (mut found, mut asked) = (BTreeSet::new(), BTreeSet::new());
+    for mesh in meshes {
+        let mut add = |name: &str| {
+            let beside = mesh.parent().and_then(|parent| parent.append_path(name).ok());
+            found.extend(sdf::Path::new(name).ok().filter(sdf::Path::is_abs).or(beside));
+        };
+        given.iter().for_each(|name| add(name));
+        for path in with_ancestors(mesh).filter(|path| !path.is_abs_root()) {
+            if asked.insert(path.clone()) {
+                trims_of(&prim_at(stage, &path)?)?.iter().for_each(|name| add(name));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The prims that the options of one prim name, as text.
+fn trims_of(prim: &Prim) -> Result<Vec<String>, Error> {
+    let mut found = Vec::new();
+    for name in property_names(prim)?.iter().filter(|name| names::is_trim_prims(name)) {
+        if prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?
+            == Some(sdf::SpecType::Relationship)
+        {
+            let targets = prim.relationship(name.as_str()).targets().or_unreadable(prim.path())?;
+            found.extend(targets.iter().map(ToString::to_string));
+        } else if let Some(value) = value(prim, name, None)? {
+            found.extend(text(&value).into_iter().flat_map(|list| list.split(',')).map(|name| name.trim().to_owned()));
+        }
+    }
+    Ok(found)
 }
 
 /// The variant sets of a stage, as a message lists them.

@@ -17,6 +17,7 @@ mod shapes;
 mod skin;
 mod source;
 mod space;
+mod trims;
 mod variants;
 
 #[cfg(feature = "preview")]
@@ -31,6 +32,7 @@ pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;
 pub use source::{PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{transforms, world_of};
+pub use trims::{TrimPrim, has_points, points_name, trims};
 #[cfg(feature = "preview")]
 pub use variants::select;
 pub use variants::{Selection, VariantSet};

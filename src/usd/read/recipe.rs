@@ -51,6 +51,10 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
+            Some(sdf::SpecType::Relationship) if names::is_trim_prims(&name) => {
+                let paths = prim.relationship(name.as_str()).targets().or_unreadable(prim.path())?;
+                Some(paths.iter().map(|path| Json::String(path.to_string())).collect())
+            }
             Some(sdf::SpecType::Relationship) => targets(prim, mesh, &name)?,
             _ => match value(prim, &name, time)? {
                 None => None,

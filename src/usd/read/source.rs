@@ -36,6 +36,8 @@ pub struct ReadOptions {
     pub all: bool,
     /// Prims that are left out then, with all below them: names or paths, in which `*` stands for any letters.
     pub exclude: Vec<String>,
+    /// Prims that are trims, by path or by name beside a mesh: no mesh below them is a garment.
+    pub trims: Vec<String>,
     /// Distance at which borders are sewn; 0.001 by default. \[share of the mean edge length\]
     pub sew_tolerance: Option<f64>,
 }

@@ -7,10 +7,12 @@ use crate::drive::{BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::read::{
-    OrUnreadable, StageOrigin, all_prims, is_a, layer_files, prim_at, property_names, stage_metadata, value,
+    OrUnreadable, StageOrigin, all_prims, has_points, is_a, layer_files, points_name, prim_at, property_names,
+    stage_metadata, value,
 };
-use crate::usd::write::pose_points;
-use glam::Vec3;
+use crate::usd::write::{extent, pose_points};
+use glam::{Quat, Vec3};
+use openusd::gf::{Quath, f16};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
@@ -68,23 +70,29 @@ pub struct Bound {
     /// The simulation mesh.
     pub sim: MeshAtBind,
     /// The meshes that are bound to it.
-    pub meshes: Vec<BoundMesh>,
+    pub meshes: Vec<BoundPrim>,
     /// The stage's metadata.
     pub metadata: Vec<(String, Value)>,
     /// The files of its layers.
     pub layers: Vec<PathBuf>,
 }
 
-/// A mesh that is bound.
-pub struct BoundMesh {
+/// A mesh that is bound, or a trim.
+pub struct BoundPrim {
     pub path: Path,
+    /// The name of the attribute of its points.
+    pub points_name: &'static str,
     /// Whether a skeleton would move it again.
     pub is_skinned: bool,
     /// Number of its points.
     pub points: usize,
     pub normals: Option<BoundNormals>,
-    /// Its primvar of normals and the indices of this, with their types. A shot leaves them out, as they would stay as they are.
-    pub normals_primvar: Vec<(String, ValueTypeName)>,
+    /// Rotations of instances at bind.
+    pub orientations: Option<Vec<Quat>>,
+    /// How far it reaches beyond its points, such as instances do; none if nobody says so.
+    pub reach: Option<f32>,
+    /// Attributes that would stay as they are, with their types. A shot leaves them out.
+    pub stale: Vec<(String, ValueTypeName)>,
     /// Its space, if it is not that of the simulation mesh.
     pub space: Option<Space>,
     pub driver: Driver,
@@ -115,7 +123,7 @@ impl Bound {
         for (path, _) in &chosen {
             let prim = prim_at(&stage, path)?;
             let places = SourcePoints::read(&prim, names::BINDING)?;
-            meshes.push(BoundMesh::read(&prim, &points_at_bind(&prim)?, &places, &bind)?);
+            meshes.push(BoundPrim::read(&prim, &points_at_bind(&prim)?, &places, &bind)?);
         }
         if options.model {
             meshes.extend(models(&stage, options, &bind)?);
@@ -133,7 +141,7 @@ fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<(Path, Path)>, Err
     let mut found = Vec::new();
     for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
-        if !is_a(&prim, names::MESH)? || !property_names(&prim)?.iter().any(|name| name == names::BINDING[2]) {
+        if !has_points(&prim)? || !property_names(&prim)?.iter().any(|name| name == names::BINDING[2]) {
             continue;
         }
         let targets = prim.relationship(names::BINDING[2]).targets().or_unreadable(&path)?;
@@ -177,7 +185,7 @@ fn chosen(all: &[(Path, Path)], options: &DriveOptions) -> Result<Vec<(Path, Pat
 }
 
 /// The garment's own meshes: one, or the panels that are sewn together, whose places are one after another.
-fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<BoundMesh>, Error> {
+fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
     let [.., source] = names::MODEL_BINDING;
     let (sim, file) = (bind.sim.path(), options.render.display());
     let stale = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy(remedy));
@@ -201,7 +209,7 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
     let mut meshes = Vec::with_capacity(panels.len());
     for (prim, points) in panels {
         let own = places.take(points.len());
-        meshes.push(BoundMesh::read(&prim, &points, &own, bind)?);
+        meshes.push(BoundPrim::read(&prim, &points, &own, bind)?);
     }
     Ok(meshes)
 }
@@ -242,7 +250,7 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     let pose = pose_points().find_map(|name| value(prim, &name, None).ok().flatten());
     let points = match pose {
         Some(pose) => Some(pose),
-        None => value(prim, names::POINTS, None)?,
+        None => value(prim, points_name(prim)?, None)?,
     };
     match points {
         Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
@@ -272,7 +280,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
 }
 
-impl BoundMesh {
+impl BoundPrim {
     /// Reads a mesh with these points at bind and places on the simulation mesh.
     fn read(prim: &Prim, points: &[Vec3], places: &SourcePoints, bind: &Bind) -> Result<Self, Error> {
         let space = Space::between(prim, bind.sim)?;
@@ -290,16 +298,60 @@ impl BoundMesh {
         if let (Some(space), Some(normals)) = (&space, &mut normals) {
             space.normals_to_sim(&mut normals.values);
         }
-        let (path, points, normals_primvar) = (prim.path().clone(), points.len(), normals_primvar(prim)?);
-        Ok(Self { path, is_skinned, normals, normals_primvar, points, space, driver })
+        Ok(Self {
+            path: prim.path().clone(),
+            points_name: points_name(prim)?,
+            is_skinned,
+            points: points.len(),
+            normals,
+            orientations: orientations(prim, points.len())?,
+            reach: reach(prim, points)?,
+            stale: stale(prim)?,
+            space,
+            driver,
+        })
     }
 }
 
-/// The names and types of the primvar of normals, if it is authored.
-fn normals_primvar(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
+/// The rotations of instances; none of other prims.
+fn orientations(prim: &Prim, count: usize) -> Result<Option<Vec<Quat>>, Error> {
+    if !is_a(prim, names::POINT_INSTANCER)? {
+        return Ok(None);
+    }
+    let mut all = match (value(prim, names::ORIENTATIONS_F, None)?, value(prim, names::ORIENTATIONS, None)?) {
+        (Some(Value::QuatfVec(all)), _) if !all.is_empty() => {
+            all.iter().map(|q| Quat::from_xyzw(q.x, q.y, q.z, q.w)).collect()
+        }
+        (_, Some(Value::QuathVec(all))) => {
+            let full = |q: &Quath| [q.x, q.y, q.z, q.w].map(f16::to_f32);
+            all.iter().map(|q| Quat::from_array(full(q))).collect()
+        }
+        _ => Vec::new(),
+    };
+    all.resize(count, Quat::IDENTITY);
+    Ok(Some(all))
+}
+
+/// How far a prim reaches beyond its points at bind: not at all for a mesh, otherwise as its authored extent does.
+fn reach(prim: &Prim, points: &[Vec3]) -> Result<Option<f32>, Error> {
+    if is_a(prim, names::MESH)? {
+        return Ok(Some(0.0));
+    }
+    let Some(Value::Vec3fVec(authored)) = value(prim, names::EXTENT, None)? else { return Ok(None) };
+    let ([low, high], [own_low, own_high]) = (&authored[..], &extent(points)[..]) else { return Ok(None) };
+    let [low, high, own_low, own_high] = [low, high, own_low, own_high].map(|p| Vec3::from(<[f32; 3]>::from(*p)));
+    Ok(Some((own_low - low).max(high - own_high).max_element().max(0.0)))
+}
+
+/// The names and types of the authored attributes that would stay at bind: the primvar of normals, and what else turns instances.
+fn stale(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
     let name = format!("{}{}", names::PRIMVARS, names::NORMALS);
+    let mut names = vec![name.clone(), format!("{name}{}", names::INDICES_SUFFIX)];
+    if is_a(prim, names::POINT_INSTANCER)? {
+        names.extend([names::ORIENTATIONS_F, "angularVelocities", "accelerations"].map(str::to_owned));
+    }
     let mut found = Vec::new();
-    for name in [name.clone(), format!("{name}{}", names::INDICES_SUFFIX)] {
+    for name in names {
         let attribute = prim.attribute(name.as_str());
         if attribute.has_authored_value().or_unreadable(prim.path())? {
             found.extend(attribute.type_name().or_unreadable(prim.path())?.map(|kind| (name, kind)));
@@ -308,11 +360,12 @@ fn normals_primvar(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
     Ok(found)
 }
 
-/// The authored normals of a mesh that is not a subdivision surface; none where one normal is for all points.
+/// The authored normals of curves, or of a mesh that is not a subdivision surface; none where one normal is for all points.
 fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     let scheme = value(prim, names::SUBDIVISION_SCHEME, None)?;
     let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, None)? else { return Ok(None) };
-    if !matches!(scheme, Some(Value::Token(scheme)) if scheme.as_str() == "none") {
+    let is_polygonal = matches!(scheme, Some(Value::Token(scheme)) if scheme.as_str() == "none");
+    if !is_polygonal && is_a(prim, names::MESH)? {
         return Ok(None);
     }
     let attribute = prim.attribute(names::NORMALS);

@@ -3,16 +3,15 @@
 //! The name of a clip has the hash of its content. So the clips of an earlier shot stay beside the new ones until the layer of the
 //! shot is replaced, and whoever opens that layer finds all that it names.
 
-use super::DrivenMesh;
-use super::stream::{ATTRIBUTES, extent, sampled, type_of, unwritable};
+use super::DrivenPrim;
+use super::stream::{sampled, type_of, unwritable};
 use crate::error::{Error, ErrorCode, plain};
 use crate::files;
 use crate::usd::assets::Anchor;
-use crate::usd::names;
 use crate::usd::write::{OutputFile, PREFIX, Unfinished};
 use openusd::gf::Vec2d;
 use openusd::sdf::{self, AbstractData, AssetPath, Data, Path, PrimSpec, SpecType, Value, Variability};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::io;
 use std::path::{Path as FilePath, PathBuf};
@@ -37,8 +36,8 @@ pub struct Clips {
     written: Vec<String>,
     /// The clips of an earlier shot.
     earlier: Vec<PathBuf>,
-    /// The attributes that vary.
-    varying: [bool; 3],
+    /// The attributes of each prim that vary.
+    varying: Vec<BTreeSet<&'static str>>,
 }
 
 impl Clips {
@@ -80,25 +79,26 @@ impl Clips {
         let place = real.as_deref().and_then(FilePath::parent).unwrap_or(&file.folder);
         let temporary =
             Unfinished::new(|| Builder::new().prefix(PREFIX).tempdir_in(place)).map_err(|e| file.fault(&e))?;
-        Ok(Self { temporary, folder, times: times.to_vec(), written: Vec::new(), earlier, varying: [false; 3] })
+        Ok(Self { temporary, folder, times: times.to_vec(), written: Vec::new(), earlier, varying: Vec::new() })
     }
 
     /// Writes the meshes at `time`.
     ///
     /// # Errors
     /// A full disk.
-    pub fn write(&mut self, time: f64, paths: &[Path], meshes: &[DrivenMesh]) -> Result<(), Error> {
+    pub fn write(&mut self, time: f64, paths: &[Path], meshes: &[DrivenPrim]) -> Result<(), Error> {
         let mut clip = empty();
-        for (path, moved) in paths.iter().zip(meshes) {
+        self.varying.resize(paths.len(), BTreeSet::new());
+        for (number, (path, moved)) in paths.iter().zip(meshes).enumerate() {
             PrimSpec::over(&mut clip, path).map_err(|e| unwritable(&e))?;
-            for (kind, values) in moved.arrays().into_iter().enumerate() {
-                let Some(values) = values else { continue };
-                self.varying[kind] = true;
+            let arrays = moved.arrays().map(|(name, values)| {
                 let values: &[openusd::gf::Vec3f] = bytemuck::cast_slice(values);
-                let samples = vec![(time, Value::Vec3fVec(values.to_vec()))];
-                sampled(&mut clip, path, ATTRIBUTES[kind], samples).map_err(|e| unwritable(&e))?;
+                (name, Value::Vec3fVec(values.to_vec()))
+            });
+            for (name, value) in arrays.chain(moved.values()) {
+                self.varying[number].insert(name);
+                sampled(&mut clip, path, name, vec![(time, value)]).map_err(|e| unwritable(&e))?;
             }
-            sampled(&mut clip, path, names::EXTENT, vec![(time, extent(&moved.points))]).map_err(|e| unwritable(&e))?;
         }
         self.save(clip, &format!("frame.{:0DIGITS$}", self.written.len()))
     }
@@ -120,10 +120,9 @@ impl Clips {
     /// A full disk.
     pub fn author(&mut self, file: &OutputFile, layer: &mut Data, paths: &[Path]) -> Result<(), Error> {
         let mut manifest = empty();
-        for path in paths {
+        for (path, varying) in paths.iter().zip(&self.varying) {
             PrimSpec::over(&mut manifest, path).map_err(|e| unwritable(&e))?;
-            let varying = ATTRIBUTES.iter().zip(self.varying).filter(|(_, varying)| *varying).map(|(name, _)| *name);
-            for name in varying.chain([names::EXTENT]) {
+            for &name in varying {
                 let attribute = path.append_property(name).map_err(|e| unwritable(&e))?;
                 sdf::AttributeSpec::new(&mut manifest, &attribute, type_of(name), Variability::Varying, false)
                     .map_err(|e| unwritable(&e))?;
@@ -226,6 +225,7 @@ fn empty() -> Data {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::usd::names;
     use glam::Vec3;
 
     /// Clips of one point at some heights, ready to be written.
@@ -235,7 +235,10 @@ mod tests {
         let mut clips = Clips::new(file, &times, true, |_| Ok(None)).expect("a folder of clips");
         for (time, height) in times.iter().zip(heights) {
             let points = vec![Vec3::new(0.0, *height, 0.0)];
-            clips.write(*time, &mesh, &[DrivenMesh { points, normals: None, velocities: None }]).expect("a clip");
+            let (normals, velocities, orientations) = (None, None, None);
+            let (points_name, reach) = (names::POINTS, Some(0.0));
+            let moved = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
+            clips.write(*time, &mesh, &[moved]).expect("a clip");
         }
         let mut layer = empty();
         clips.author(file, &mut layer, &mesh).expect("a manifest");

@@ -15,13 +15,16 @@ mod stream;
 
 use crate::drive::Driver;
 use crate::error::{Error, ErrorCode, ErrorKind};
-use crate::usd::on_large_stack;
+use crate::usd::{names, on_large_stack};
 use bound::{Bound, MeshAtBind};
 use cache::{Cache, Frame};
 use conversion::Conversion;
-use glam::Vec3;
+use glam::{Quat, Vec3};
+use openusd::gf::{Quath, Vec3f, f16};
+use openusd::sdf::Value;
 use rayon::prelude::*;
 use space::Space;
+use std::iter;
 use std::path::{Path, PathBuf};
 use stream::ShotWriter;
 
@@ -95,7 +98,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             if done == 0 {
                 check_first(&bound.sim, &read[0], &options.cache)?;
             }
-            let moved: Vec<Vec<DrivenMesh>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
+            let moved: Vec<Vec<DrivenPrim>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
             for (frame, meshes) in read.iter().zip(&moved) {
                 check_finite(frame.time, meshes, &options.cache)?;
                 writer.write(frame.time, meshes)?;
@@ -110,15 +113,44 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
     })
 }
 
-/// A driven mesh at one time.
-struct DrivenMesh {
+/// A driven prim at one time.
+struct DrivenPrim {
     points: Vec<Vec3>,
     normals: Option<Vec<Vec3>>,
     velocities: Option<Vec<Vec3>>,
+    /// Rotations of instances, as they are and not from those at bind.
+    orientations: Option<Vec<Quat>>,
+    /// The name of the attribute of its points.
+    points_name: &'static str,
+    /// How far it reaches beyond its points; none if nobody says so.
+    reach: Option<f32>,
 }
 
-impl DrivenMesh {
-    /// Takes the mesh from the space of the simulation mesh to its own.
+impl DrivenPrim {
+    /// The long arrays, with the names of their attributes.
+    fn arrays(&self) -> impl Iterator<Item = (&'static str, &[Vec3])> {
+        let others = [(names::NORMALS, &self.normals), (names::VELOCITIES, &self.velocities)];
+        let others = others.into_iter().filter_map(|(name, values)| Some((name, values.as_deref()?)));
+        iter::once((self.points_name, self.points.as_slice())).chain(others)
+    }
+
+    /// The other values, with the names of their attributes.
+    fn values(&self) -> impl Iterator<Item = (&'static str, Value)> {
+        let half = |q: &Quat| Quath {
+            w: f16::from_f32(q.w),
+            x: f16::from_f32(q.x),
+            y: f16::from_f32(q.y),
+            z: f16::from_f32(q.z),
+        };
+        let orientations = self.orientations.as_ref().map(|all| Value::QuathVec(all.iter().map(half).collect()));
+        let extent = self.reach.map(|reach| extent(&self.points, reach));
+        extent
+            .map(|value| (names::EXTENT, value))
+            .into_iter()
+            .chain(orientations.map(|value| (names::ORIENTATIONS, value)))
+    }
+
+    /// Takes the prim from the space of the simulation mesh to its own.
     fn take_from_sim(&mut self, space: &Space) {
         space.points_from_sim(&mut self.points);
         self.normals.iter_mut().for_each(|normals| space.normals_from_sim(normals));
@@ -126,9 +158,19 @@ impl DrivenMesh {
     }
 }
 
+/// The bounding box of points, and of what reaches beyond them.
+fn extent(points: &[Vec3], reach: f32) -> Value {
+    let mut corners = crate::usd::write::extent(points);
+    if let [low, high] = &mut corners[..] {
+        let grown = |corner: &Vec3f, by: f32| Vec3f::from((Vec3::from(<[f32; 3]>::from(*corner)) + by).to_array());
+        (*low, *high) = (grown(low, -reach), grown(high, reach));
+    }
+    Value::Vec3fVec(corners)
+}
+
 impl Bound {
     /// The meshes at a frame.
-    fn moved(&self, frame: &Frame) -> Vec<DrivenMesh> {
+    fn moved(&self, frame: &Frame) -> Vec<DrivenPrim> {
         let velocities = |driver: &Driver| {
             let velocities = frame.velocities.as_ref()?;
             // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
@@ -139,10 +181,17 @@ impl Bound {
             let (before, after) = (shifted(-step), shifted(step));
             Some(after.iter().zip(&before).map(|(a, b)| (*a - *b) / (2.0 * step)).collect())
         };
-        let moved = |mesh: &bound::BoundMesh| {
+        let moved = |mesh: &bound::BoundPrim| {
             let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions(&frame.points, &n.values, &n.points));
             let velocities = velocities(&mesh.driver);
-            let mut moved = DrivenMesh { points: mesh.driver.points(&frame.points), normals, velocities };
+            let orientations = mesh.orientations.as_ref().map(|at_bind| {
+                let turns = mesh.driver.rotations(&frame.points);
+                let own = turns.into_iter().map(|turn| mesh.space.as_ref().map_or(turn, |s| s.rotation_from_sim(turn)));
+                own.zip(at_bind).map(|(turn, at_bind)| (turn * *at_bind).normalize()).collect()
+            });
+            let (points_name, reach) = (mesh.points_name, mesh.reach);
+            let points = mesh.driver.points(&frame.points);
+            let mut moved = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
             if let Some(space) = &mesh.space {
                 moved.take_from_sim(space);
             }
@@ -159,7 +208,7 @@ impl Bound {
 }
 
 /// Refuses a frame whose points are so far apart that those of the mesh, or their velocities, are beyond the numbers of a file.
-fn check_finite(time: f64, meshes: &[DrivenMesh], file: &Path) -> Result<(), Error> {
+fn check_finite(time: f64, meshes: &[DrivenPrim], file: &Path) -> Result<(), Error> {
     let mut arrays = meshes
         .iter()
         .flat_map(|mesh| [Some(&mesh.points), mesh.normals.as_ref(), mesh.velocities.as_ref()].into_iter().flatten());

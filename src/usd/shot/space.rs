@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorCode};
 use crate::usd::read::transforms;
-use glam::{DMat3, DMat4, Vec3};
+use glam::{DMat3, DMat4, DQuat, DVec3, Quat, Vec3};
 use openusd::usd::Prim;
 
 /// The transform from a mesh to the simulation mesh.
@@ -44,6 +44,16 @@ impl Space {
     /// Takes velocities back to the space of the mesh.
     pub fn velocities_from_sim(&self, velocities: &mut [Vec3]) {
         velocities.iter_mut().for_each(|v| *v = self.from_sim.transform_vector3(v.as_dvec3()).as_vec3());
+    }
+
+    /// A rotation of the simulation mesh's space as one of the mesh's own.
+    pub fn rotation_from_sim(&self, rotation: Quat) -> Quat {
+        let [to_sim, from_sim] = [self.to_sim, self.from_sim].map(DMat3::from_mat4);
+        let turned = from_sim * DMat3::from_quat(rotation.as_dquat()) * to_sim;
+        // A scale that is not uniform leaves no rotation; the nearest in the order of the axes stands for it.
+        let x = turned.x_axis.normalize_or(DVec3::X);
+        let y = turned.y_axis.reject_from_normalized(x).normalize_or(x.any_orthonormal_vector());
+        DQuat::from_mat3(&DMat3::from_cols(x, y, x.cross(y))).as_quat()
     }
 
     /// Takes normals of the mesh to the space of the simulation mesh.

@@ -7,7 +7,7 @@
 use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
-use super::{DriveOptions, DrivenMesh};
+use super::{DriveOptions, DrivenPrim};
 use crate::error::{Error, ErrorCode};
 use crate::usd::assets::same_file;
 use crate::usd::names;
@@ -17,6 +17,7 @@ use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, Data, FieldKey, LayerOffset, Path, PrimSpec, SpecType, Value};
 use openusd::sdf::{ValueTypeName, Variability};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path as FilePath, PathBuf};
@@ -29,17 +30,15 @@ const ARRAY: u64 = 1 << 63 | 24 << 48;
 /// First number of a stand-in.
 const SALT: f32 = 1.234_567e-30;
 
-/// The attributes of driven meshes that vary over time.
-pub const ATTRIBUTES: [&str; 3] = [names::POINTS, names::NORMALS, names::VELOCITIES];
-
 /// Writes the frames of a shot.
 pub struct ShotWriter {
     file: OutputFile,
     layer: Data,
     paths: Vec<Path>,
-    /// Time samples of each attribute of each mesh, as the place of their arrays in `out`.
-    samples: Vec<[Vec<(f64, Place)>; 3]>,
-    extents: Vec<sdf::TimeSampleMap>,
+    /// Time samples of the long arrays of each prim by attribute, as their places in `out`.
+    arrays: Vec<BTreeMap<&'static str, Vec<(f64, Place)>>>,
+    /// Those of its other attributes.
+    values: Vec<BTreeMap<&'static str, sdf::TimeSampleMap>>,
     out: Frames,
 }
 
@@ -84,15 +83,15 @@ impl ShotWriter {
             }
         };
         let paths: Vec<Path> = bound.meshes.iter().map(|mesh| mesh.path.clone()).collect();
-        let samples = paths.iter().map(|_| [const { Vec::new() }; 3]).collect();
-        let extents = paths.iter().map(|_| sdf::TimeSampleMap::new()).collect();
-        let mut writer = Self { file, layer, paths, samples, extents, out };
+        let arrays = paths.iter().map(|_| BTreeMap::new()).collect();
+        let values = paths.iter().map(|_| BTreeMap::new()).collect();
+        let mut writer = Self { file, layer, paths, arrays, values, out };
         for mesh in &bound.meshes {
             PrimSpec::over(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
             if mesh.is_skinned {
                 unbind(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
             }
-            for (name, kind) in &mesh.normals_primvar {
+            for (name, kind) in &mesh.stale {
                 block(&mut writer.layer, &mesh.path, name, kind).map_err(|e| unwritable(&e))?;
             }
         }
@@ -103,17 +102,17 @@ impl ShotWriter {
     ///
     /// # Errors
     /// A full disk.
-    pub fn write(&mut self, time: f64, meshes: &[DrivenMesh]) -> Result<(), Error> {
+    pub fn write(&mut self, time: f64, meshes: &[DrivenPrim]) -> Result<(), Error> {
         if let Frames::Clips(clips) = &mut self.out {
             return clips.write(time, &self.paths, meshes);
         }
-        for (mesh, moved) in meshes.iter().enumerate() {
-            self.extents[mesh].push((time, extent(&moved.points)));
-            for (kind, values) in moved.arrays().into_iter().enumerate() {
-                if let Some(values) = values {
-                    let place = self.array(values)?;
-                    self.samples[mesh][kind].push((time, place));
-                }
+        for (number, moved) in meshes.iter().enumerate() {
+            for (name, value) in moved.values() {
+                self.values[number].entry(name).or_default().push((time, value));
+            }
+            for (name, values) in moved.arrays() {
+                let place = self.array(values)?;
+                self.arrays[number].entry(name).or_default().push((time, place));
             }
         }
         Ok(())
@@ -172,25 +171,17 @@ impl ShotWriter {
 
     /// Authors the time samples, each by the value of its place.
     fn author(&mut self, mut value: impl FnMut(Place) -> Value) -> Result<(), Error> {
-        for (mesh, path) in self.paths.iter().enumerate() {
-            for (kind, name) in ATTRIBUTES.iter().enumerate() {
-                let samples = std::mem::take(&mut self.samples[mesh][kind]);
-                if !samples.is_empty() {
-                    let samples = samples.into_iter().map(|(time, place)| (time, value(place))).collect();
-                    sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
-                }
+        let all = self.paths.iter().zip(self.arrays.iter_mut().zip(&mut self.values));
+        for (path, (arrays, values)) in all {
+            for (name, samples) in std::mem::take(arrays) {
+                let samples = samples.into_iter().map(|(time, place)| (time, value(place))).collect();
+                sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
             }
-            let extents = std::mem::take(&mut self.extents[mesh]);
-            sampled(&mut self.layer, path, names::EXTENT, extents).map_err(|e| unwritable(&e))?;
+            for (name, samples) in std::mem::take(values) {
+                sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
+            }
         }
         Ok(())
-    }
-}
-
-impl DrivenMesh {
-    /// The values of [`ATTRIBUTES`].
-    pub fn arrays(&self) -> [Option<&[Vec3]>; 3] {
-        [Some(self.points.as_slice()), self.normals.as_deref(), self.velocities.as_deref()]
     }
 }
 
@@ -227,7 +218,8 @@ fn block(layer: &mut Data, prim: &Path, name: &str, kind: &ValueTypeName) -> ope
 /// The type of an attribute of a driven mesh.
 pub fn type_of(name: &str) -> ValueTypeName {
     match name {
-        names::POINTS => ValueTypeName::POINT3F_ARRAY,
+        names::POINTS | names::POSITIONS => ValueTypeName::POINT3F_ARRAY,
+        names::ORIENTATIONS => ValueTypeName::QUATH_ARRAY,
         names::NORMALS => ValueTypeName::NORMAL3F_ARRAY,
         names::VELOCITIES => ValueTypeName::VECTOR3F_ARRAY,
         _ => ValueTypeName::FLOAT3_ARRAY,
@@ -240,11 +232,6 @@ pub fn sampled(layer: &mut Data, prim: &Path, name: &str, samples: sdf::TimeSamp
     sdf::AttributeSpec::new(layer, &path, type_of(name), Variability::Varying, false)?;
     layer.set_field(&path, FieldKey::TimeSamples.as_str(), Value::TimeSamples(samples));
     Ok(())
-}
-
-/// The bounding box of some points.
-pub fn extent(points: &[Vec3]) -> Value {
-    Value::Vec3fVec(crate::usd::write::extent(points))
 }
 
 /// The shot without its samples: a layer over the garment with its metadata and the range of times.

@@ -1,32 +1,20 @@
 //! Products into layers, and layers into files or bytes.
 
-use super::crates::remove_unwritable;
+use super::crates::{encode_plainly, remove_unwritable};
 use super::flatten::flattened;
-use super::long_arrays::encode_plainly;
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
-use super::role::{Product, ProductRole};
+use super::role::{GarmentProducts, Product, ProductRole, SetChoice};
 use super::save::{Format, OutputFile, text_of};
+use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{Model, OrUnreadable, ProductNames, Selection, Source};
+use crate::usd::read::{Model, OrUnreadable, ProductNames, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
-
-/// The sets that products have. Programs that read subsets for materials alone warn of others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SetChoice {
-    /// Sets with a material.
-    None,
-    /// Sets of the model, its creases and its corners.
-    #[default]
-    Authored,
-    /// Also sets of the simulation mesh's borders and seams, and sets that the recipe derives.
-    All,
-}
 
 /// How products are written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,10 +47,12 @@ impl Default for WriteOptions {
 }
 
 /// A layer or package that was written.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Written {
     /// The files that a package has a copy of, sorted; entries of other packages as `package[entry]`.
     pub packed: Vec<PathBuf>,
+    /// The trims that are bound.
+    pub trims: Vec<BoundTrim>,
 }
 
 /// Writes `products` as siblings of the model of `source` into the file `out`, whose name decides the format. The file is
@@ -77,17 +67,6 @@ pub fn write(
     options: &WriteOptions,
 ) -> Result<(Written, Warnings), Error> {
     write_all(&[GarmentProducts { source, products, variant: None }], out, options)
-}
-
-/// A garment with its products.
-#[derive(Clone, Copy, Debug)]
-pub struct GarmentProducts<'a> {
-    /// The garment.
-    pub source: &'a Source,
-    /// Its products.
-    pub products: &'a [Product<'a>],
-    /// The variant that they are for and become a part of. The garment was read with it.
-    pub variant: Option<&'a Selection>,
 }
 
 /// As [`write()`], the products of several garments of one stage, at least one.
@@ -105,9 +84,9 @@ pub fn write_all(
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { file.anchor() };
         let frame = LayerContext { flatten: is_package || options.flatten, anchor, sublayer: None };
-        let (data, mut warnings) = compose(garments, frame, options)?;
+        let ((data, trims), mut warnings) = compose(garments, frame, options)?;
         let packed = warnings.absorb(if options.dry_run { file.rehearse(data)? } else { file.save(data)? });
-        Ok((Written { packed }, warnings))
+        Ok((Written { packed, trims }, warnings))
     })
 }
 
@@ -144,7 +123,8 @@ pub fn layer_bytes(
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::real);
         let frame = LayerContext { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let (mut data, mut warnings) = compose(&[GarmentProducts { source, products, variant: None }], frame, options)?;
+        let all = [GarmentProducts { source, products, variant: None }];
+        let ((mut data, _), mut warnings) = compose(&all, frame, options)?;
         let bytes = match format {
             Format::Usda => text_of(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
@@ -172,13 +152,13 @@ pub struct LayerContext<'a> {
     pub sublayer: Option<&'a str>,
 }
 
-/// The layer with the products of all garments, which are of one stage.
+/// The layer with the products of all garments, which are of one stage, and the trims that it binds.
 fn compose(
     garments: &[GarmentProducts],
     frame: LayerContext,
     options: &WriteOptions,
-) -> Result<(sdf::Data, Warnings), Error> {
-    let (sets, mut replaced) = (options.sets, Vec::new());
+) -> Result<((sdf::Data, Vec<BoundTrim>), Warnings), Error> {
+    let (sets, mut replaced, mut trims) = (options.sets, Vec::new(), Vec::new());
     for GarmentProducts { source, products, .. } in garments {
         check_names(&source.model, products)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
@@ -194,15 +174,19 @@ fn compose(
         true => flattened(stage, &replaced, frame.anchor)?,
         false => (overlay(stage, frame)?, Warnings::default()),
     };
+    let mut before = 0;
     for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
+        let mut part = match of_variant[0].variant {
+            None => std::mem::take(&mut data),
+            Some(_) => overlay(stage, frame)?,
+        };
+        let bound = warnings.absorb(author(&mut part, of_variant, frame, sets)?);
+        trims.extend(bound.into_iter().map(|trim| BoundTrim { garment: before + trim.garment, ..trim }));
         match of_variant[0].variant {
-            None => warnings.extend(author(&mut data, of_variant, frame, sets)?),
-            Some(variant) => {
-                let mut part = overlay(stage, frame)?;
-                warnings.extend(author(&mut part, of_variant, frame, sets)?);
-                copy_into_variant(&mut data, &part, variant).map_err(fault)?;
-            }
+            None => data = part,
+            Some(variant) => copy_into_variant(&mut data, &part, variant).map_err(fault)?,
         }
+        before += of_variant.len();
     }
     // A guide that a PointInstancer repeats would take all instances along.
     for garment in garments.iter().filter(|g| options.model_guide && g.source.model.instancer.is_none()) {
@@ -214,7 +198,7 @@ fn compose(
     if let Some(record) = &options.record {
         record.author(&mut data)?;
     }
-    Ok((data, warnings))
+    Ok(((data, trims), warnings))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
@@ -222,14 +206,14 @@ fn fault(error: openusd::Error) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
 
-/// Authors the products of garments.
+/// Authors the products of garments, and the places of their trims.
 fn author(
     data: &mut sdf::Data,
     garments: &[GarmentProducts],
     frame: LayerContext,
     sets: SetChoice,
-) -> Result<Warnings, Error> {
-    let mut warnings = Warnings::default();
+) -> Result<(Vec<BoundTrim>, Warnings), Error> {
+    let (trims, mut warnings) = TrimBindings::read(garments)?;
     for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         for product in *products {
@@ -240,8 +224,11 @@ fn author(
     }
     let product = |of: &GarmentProducts| of.products.iter().map(|p| of.source.model.sibling_path(p.name)).collect();
     let paths: Vec<Result<Vec<_>, _>> = garments.iter().map(product).collect();
+    let model = &garments[0].source.model;
+    let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+    let bound = trims.author(&mut author, &mut warnings).map_err(fault)?;
     check_finite(data, &paths.into_iter().flatten().flatten().collect())?;
-    Ok(warnings)
+    Ok((bound, warnings))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.

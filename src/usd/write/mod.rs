@@ -3,7 +3,6 @@
 mod crates;
 mod flatten;
 mod layer;
-mod long_arrays;
 mod package;
 mod physics;
 mod product;
@@ -13,17 +12,18 @@ mod role;
 mod save;
 mod sets;
 mod shapes;
+mod trims;
 mod variant;
 
 pub use crates::write_crate;
 pub use layer::{
-    GarmentProducts, SetChoice, Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes,
-    write, write_all,
+    Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes, write, write_all,
 };
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
-pub use role::{Product, ProductRole};
+pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
 pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 pub use sets::write_sets;
+pub use trims::BoundTrim;

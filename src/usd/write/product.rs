@@ -1,7 +1,6 @@
 //! One product as prims and properties of a layer.
 
-use super::layer::SetChoice;
-use super::role::{Product, ProductRole};
+use super::role::{Product, ProductRole, SetChoice};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
@@ -91,7 +90,8 @@ impl Author<'_> {
         self.targets(&target, source, &model.panels)
     }
 
-    fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path) -> openusd::Result<()> {
+    /// Authors the places of the points of a prim on the simulation mesh `target`.
+    pub(super) fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path) -> openusd::Result<()> {
         self.places(prim, names::BINDING, binding)?;
         for name in &names::BINDING[..2] {
             let vertex = Value::Token(Token::from(Interpolation::Vertex.token()));

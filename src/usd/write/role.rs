@@ -3,6 +3,9 @@
 use crate::binding::Binding;
 use crate::cloth::Cloth;
 use crate::garment::Mesh;
+use crate::trim::TrimOptions;
+use crate::usd::read::{Selection, Source};
+use std::collections::BTreeMap;
 
 /// The purpose of a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +43,18 @@ impl ProductRole {
     }
 }
 
+/// The sets that products have. Programs that read subsets for materials alone warn of others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SetChoice {
+    /// Sets with a material.
+    None,
+    /// Sets of the model, its creases and its corners.
+    #[default]
+    Authored,
+    /// Also sets of the simulation mesh's borders and seams, and sets that the recipe derives.
+    All,
+}
+
 /// A mesh to be written as a sibling of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
@@ -57,11 +72,24 @@ pub struct Product<'a> {
     pub binding: Option<&'a Binding>,
     /// The places of the model's points on this simulation mesh.
     pub cage_binding: Option<&'a Binding>,
+    /// The trims that ride on this simulation mesh, by name.
+    pub trims: Option<&'a BTreeMap<String, TrimOptions>>,
 }
 
 impl<'a> Product<'a> {
     /// A mesh without physics.
     pub fn new(name: &'a str, role: ProductRole, mesh: &'a Mesh) -> Self {
-        Self { name, panel: None, role, mesh, cloth: None, binding: None, cage_binding: None }
+        Self { name, panel: None, role, mesh, cloth: None, binding: None, cage_binding: None, trims: None }
     }
+}
+
+/// A garment with its products.
+#[derive(Clone, Copy, Debug)]
+pub struct GarmentProducts<'a> {
+    /// The garment.
+    pub source: &'a Source,
+    /// Its products.
+    pub products: &'a [Product<'a>],
+    /// The variant that they are for and become a part of. The garment was read with it.
+    pub variant: Option<&'a Selection>,
 }

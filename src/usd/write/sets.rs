@@ -1,7 +1,8 @@
 //! Sets of elements as subsets: of products, and of the model in a layer over the stage.
 
-use super::layer::{LayerContext, SetChoice, overlay};
+use super::layer::{LayerContext, overlay};
 use super::product::Author;
+use super::role::SetChoice;
 use super::save::OutputFile;
 use crate::error::{Error, ErrorCode};
 use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};

@@ -83,7 +83,7 @@ class "{schema}" (
 fn property(group: &Group, Row { key, unit, meaning, default, domain }: &Row) -> String {
     let name = if group.has_instances { key.clone() } else { format!("tailor:{}:{key}", group.name) };
     let declaration = match (domain.r#type.as_str(), default) {
-        ("sets", _) => format!("rel {name}"),
+        ("sets" | "prims", _) => format!("rel {name}"),
         (_, Value::Bool(_)) => format!("uniform bool {name} = {default}"),
         (_, Value::Number(n)) if n.is_f64() => format!("uniform float {name} = {}", n.as_f64().unwrap_or_default()),
         (_, Value::Number(_)) => format!("uniform int {name} = {default}"),

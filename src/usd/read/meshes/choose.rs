@@ -4,7 +4,7 @@ use super::exclude::Exclusions;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::names;
 use crate::usd::read::choose::{
-    all_meshes, all_prims, check_instance, instancer_of, list, prototypes, purpose_of, with_ancestors,
+    all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of, with_ancestors,
 };
 use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value};
 use crate::usd::read::source::ReadOptions;
@@ -36,9 +36,13 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
     let excluded = Exclusions::new(stage, file, &options.exclude)?;
     let models = models(stage, file)?;
     let repeated = prototypes(stage, file)?;
+    let trims = named_trims(stage, &below, &options.trims)?;
     let (mut found, mut warnings) = (Vec::new(), Warnings::default());
     for path in &below {
-        if excluded.holds(path) || (!models.contains(path) && is_other(stage, path)?) {
+        if trims.iter().any(|trim| path.has_prefix(trim))
+            || excluded.holds(path)
+            || (!models.contains(path) && is_other(stage, path)?)
+        {
             continue;
         }
         let prim = prim_at(stage, path)?;

@@ -12,6 +12,7 @@ use super::model::KnownSurroundings;
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
+use super::trims;
 use crate::error::{Code, Error, ErrorCode, Warning};
 use crate::garment::sew::{Seams, Unsewn, find_seams};
 use crate::garment::{Garment, check_garment};
@@ -81,7 +82,10 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         meter::check();
         sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);
     }
-    let seams = match paths.len() {
+    if options.all {
+        trims::take(&stage, &mut sources)?;
+    }
+    let seams = match sources.len() {
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },
         _ => {
             check_panels(&mut sources)?;

@@ -130,6 +130,7 @@ export type Domain =
     words: Array<string>,
   }
   | { "type": "primPath" }
+  | { "type": "prims" }
   | { "type": "uvSet" }
   | { "type": "weights" }
   | { "type": "sets",
@@ -758,6 +759,7 @@ export type WarningCode =
   | "curves-cut"
   | "area-changed"
   | "sets-blurred"
+  | "trim-off-cloth"
   | "narrow-seam"
   | "shallow-seam"
   | "reduced-height"

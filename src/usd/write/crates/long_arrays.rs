@@ -5,7 +5,7 @@
 //! crate, with a list of fields that points to them; nothing else moves. Source: OpenUSD, `pxr/usd/sdf/crateFile.h`
 //! (the layout of the file).
 
-use super::crates::encode;
+use super::encode;
 use crate::error::{Error, ErrorCode};
 use openusd::sdf::{AbstractData, Data, Value};
 use std::collections::BTreeSet;

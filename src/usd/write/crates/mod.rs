@@ -1,5 +1,9 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
+mod long_arrays;
+
+pub use long_arrays::encode_plainly;
+
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;

@@ -1,0 +1,176 @@
+//! Prims that ride on cloth: meshes, curves, points and PointInstancers.
+
+mod found;
+
+pub use found::take;
+
+use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::trim::{Ride, TrimOptions, TrimShape};
+use crate::usd::read::choose::{all_prims, check_instance, with_ancestors};
+use crate::usd::read::model::Model;
+use crate::usd::read::query::{OrUnreadable, is_product, prim_at, value};
+use crate::usd::read::source::Source;
+use crate::usd::read::space::transforms;
+use crate::usd::{names, on_large_stack};
+use glam::{DMat4, Vec3};
+use openusd::sdf::{Path, Value};
+use openusd::usd::{Prim, PrimPredicate, Stage};
+use std::collections::BTreeMap;
+
+/// Types of curves, which have the numbers of their points in `curveVertexCounts`.
+const CURVES: [&str; 3] = ["BasisCurves", "NurbsCurves", "HermiteCurves"];
+/// Types of shapes that have no points.
+const WITHOUT_POINTS: [&str; 8] = ["Sphere", "Cube", "Cylinder", "Capsule", "Cone", "Plane", "Cylinder_1", "Capsule_1"];
+
+/// A prim that rides on cloth.
+#[derive(Clone, Debug)]
+pub struct TrimPrim {
+    /// Its path.
+    pub path: Path,
+    /// Its points, in its own space.
+    pub shape: TrimShape,
+    /// From its own space to the stage's.
+    pub to_world: DMat4,
+}
+
+/// The name of the attribute with the points that cloth moves.
+pub fn points_name(prim: &Prim) -> Result<&'static str, Error> {
+    Ok(if type_of(prim)? == names::POINT_INSTANCER { names::POSITIONS } else { names::POINTS })
+}
+
+/// Whether a prim has points that cloth can move.
+pub fn has_points(prim: &Prim) -> Result<bool, Error> {
+    let kind = type_of(prim)?;
+    let kind = kind.as_str();
+    Ok([names::MESH, names::POINT_INSTANCER, "Points"].contains(&kind) || CURVES.contains(&kind))
+}
+
+/// The trims that `named` means beside a model: the prim of this path or name, and those below it.
+///
+/// # Errors
+/// A prim that is not there, that is the garment's own, or that holds nothing with points. `key` is the option that names it.
+pub fn trims(stage: &Stage, model: &Model, key: &str, named: &str) -> Result<(Vec<TrimPrim>, Warnings), Error> {
+    let root = trim_path(model, named);
+    let fault = |text: String| Error::recipe(key, text).code(ErrorCode::WrongPrim);
+    if !prim_at(stage, &root)?.is_valid().or_unreadable(&root)? {
+        let text = format!("{root} is not a prim of {}", model.origin.file.display());
+        return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
+    }
+    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
+    let mut instancer: Option<Path> = None;
+    for path in all_prims(stage, &model.origin.file, PrimPredicate::DEFAULT, false)? {
+        // Prototypes move with their instances.
+        if !path.has_prefix(&root) || instancer.as_ref().is_some_and(|above| path.has_prefix(above)) {
+            continue;
+        }
+        let prim = prim_at(stage, &path)?;
+        if model.panels.contains(&path) {
+            return Err(fault(format!("{path} is the garment itself")).remedy("name what rides on it"));
+        }
+        if WITHOUT_POINTS.contains(&type_of(&prim)?.as_str()) {
+            let problem = format!("it is a {}, which has no points that cloth could move", type_of(&prim)?);
+            warnings.push(Warning::not_carried(&path, problem).remedy("Make it a mesh"));
+        } else if has_points(&prim)? && !is_below_product(stage, &path)? {
+            if type_of(&prim)? == names::POINT_INSTANCER {
+                instancer = Some(path.clone());
+            }
+            match check_instance(&prim).and_then(|()| TrimPrim::read(&prim)) {
+                Ok(trim) if trim.shape.points.is_empty() => {}
+                Ok(trim) => found.push(trim),
+                Err(error) => warnings.push(Warning::unread(&path, &error)),
+            }
+        }
+    }
+    if found.is_empty() && warnings.is_empty() {
+        let text = format!("{root} has no points, and nothing below it has");
+        return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
+    }
+    Ok((found, warnings))
+}
+
+impl Source {
+    /// The trims of some options with how they ride on this garment, of the size `size`. \[mesh units\]
+    ///
+    /// # Errors
+    /// A prim that is not there, or that has no points.
+    pub fn trims(&self, options: &BTreeMap<String, TrimOptions>, size: f32) -> Result<Vec<(String, Ride)>, Error> {
+        let mut found = Vec::new();
+        if options.is_empty() {
+            return Ok(found);
+        }
+        on_large_stack(|| {
+            let stage = self.model.origin.open()?;
+            for (name, options) in options {
+                for named in &options.prims {
+                    let (all, _) = trims(&stage, &self.model, &format!("trim.{name}.prims"), named)?;
+                    let ride = |trim: &TrimPrim| trim.beside(&self.model).ride(options.mode, size);
+                    found.extend(all.iter().map(|trim| (trim.path.to_string(), ride(trim))));
+                }
+            }
+            Ok(found)
+        })
+    }
+}
+
+/// The path of a trim that an option names: absolute, or beside the model.
+fn trim_path(model: &Model, named: &str) -> Path {
+    let beside = model.path.parent().unwrap_or_else(|| model.parent.clone());
+    let relative = || beside.append_path(named);
+    Path::new(named).ok().filter(Path::is_abs).or_else(|| relative().ok()).unwrap_or(beside.clone())
+}
+
+fn is_below_product(stage: &Stage, path: &Path) -> Result<bool, Error> {
+    for path in with_ancestors(path) {
+        if is_product(&prim_at(stage, &path)?)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+fn type_of(prim: &Prim) -> Result<String, Error> {
+    Ok(prim.type_name().or_unreadable(prim.path())?.map(|name| name.as_str().to_owned()).unwrap_or_default())
+}
+
+impl TrimPrim {
+    /// Its shape in the space of a model and of its products.
+    pub fn beside(&self, model: &Model) -> TrimShape {
+        let to_model = model.transforms.to_world.inverse() * self.to_world;
+        let points = self.shape.points.iter().map(|p| to_model.transform_point3(p.as_dvec3()).as_vec3()).collect();
+        self.shape.with_points(points, to_model.determinant().abs().cbrt() as f32)
+    }
+
+    fn read(prim: &Prim) -> Result<Self, Error> {
+        let points = match value(prim, points_name(prim)?, None)? {
+            Some(Value::Vec3fVec(points)) => bytemuck::cast_slice::<_, Vec3>(&points).to_vec(),
+            _ => Vec::new(),
+        };
+        if let Some(at) = points.iter().position(|point| !point.is_finite()) {
+            return Err(Error::usd(format!("{}: point {at} is not finite", prim.path())).code(ErrorCode::NotFinite));
+        }
+        let kind = type_of(prim)?;
+        let shape = if kind == names::MESH {
+            let (counts, corners) = (sizes(prim, names::FACE_VERTEX_COUNTS)?, sizes(prim, names::FACE_VERTEX_INDICES)?);
+            if let Some(vertex) = corners.iter().find(|&&vertex| vertex >= points.len()) {
+                let text = format!("{}: a face names point {vertex} of {}", prim.path(), points.len());
+                return Err(Error::usd(text).code(ErrorCode::IndexOutOfRange));
+            }
+            let corners: Vec<u32> = corners.into_iter().map(|vertex| vertex as u32).collect();
+            TrimShape::of_mesh(points, &counts, &corners)
+        } else if CURVES.contains(&kind.as_str()) {
+            TrimShape::of_parts(points, sizes(prim, "curveVertexCounts")?)
+        } else {
+            let count = points.len();
+            TrimShape::of_parts(points, vec![1; count])
+        };
+        Ok(Self { path: prim.path().clone(), shape, to_world: transforms(prim, None)?.to_world })
+    }
+}
+
+/// Whole numbers from 0; a negative one is beyond all.
+fn sizes(prim: &Prim, name: &str) -> Result<Vec<usize>, Error> {
+    Ok(match value(prim, name, None)? {
+        Some(Value::IntVec(values)) => values.iter().map(|&n| usize::try_from(n).unwrap_or(usize::MAX)).collect(),
+        _ => Vec::new(),
+    })
+}

@@ -1,0 +1,129 @@
+//! Trims are bound to the simulation mesh of the garment that they lie on.
+
+use super::product::Author;
+use super::role::{GarmentProducts, ProductRole};
+use crate::binding::BindSurface;
+use crate::error::{Code, Error, Warning, Warnings};
+use crate::garment::Mesh;
+use crate::trim::{Ride, TrimMode, TrimOptions};
+use crate::usd::read::{Model, TrimPrim, trims};
+use openusd::sdf::{Path, PrimSpec};
+use std::collections::BTreeMap;
+
+/// Largest distance of a trim from the cloth without a warning. \[sizes of the garment\]
+const FARTHEST: f32 = 0.02;
+
+/// A trim that is bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BoundTrim {
+    /// Path of its prim.
+    pub prim: String,
+    /// The name of its options in the recipe.
+    pub name: String,
+    /// Number of the garment that it rides on.
+    pub garment: usize,
+    /// How it rides.
+    pub ride: Ride,
+}
+
+/// A prim, and the garments whose recipes have it as a trim, each with its options.
+struct Asked<'a> {
+    trim: TrimPrim,
+    by: Vec<(usize, &'a str, &'a TrimOptions)>,
+}
+
+/// A simulation mesh that trims may ride on.
+struct Cloth<'a> {
+    surface: BindSurface<'a>,
+    mesh: &'a Mesh,
+    path: Path,
+    model: &'a Model,
+}
+
+/// The trims of some garments of one stage, with their places on the cloth.
+pub struct TrimBindings<'a> {
+    garments: &'a [GarmentProducts<'a>],
+    cloths: Vec<Option<Cloth<'a>>>,
+    asked: BTreeMap<Path, Asked<'a>>,
+}
+
+impl<'a> TrimBindings<'a> {
+    /// Reads the trims that recipes name.
+    ///
+    /// # Errors
+    /// A prim that is not there, or that has no points.
+    pub fn read(garments: &'a [GarmentProducts<'a>]) -> Result<(Self, Warnings), Error> {
+        let mut warnings = Warnings::default();
+        let mut bindings = Self { garments, cloths: Vec::new(), asked: BTreeMap::new() };
+        let options = |of: &GarmentProducts<'a>| of.products.iter().find_map(|product| product.trims);
+        if garments.iter().all(|garment| options(garment).is_none_or(BTreeMap::is_empty)) {
+            return Ok((bindings, warnings));
+        }
+        let stage = garments[0].source.model.origin.open()?;
+        for (number, garment) in garments.iter().enumerate() {
+            bindings.cloths.push(Cloth::of(garment)?);
+            let all = options(garment).into_iter().flatten().filter(|(_, options)| options.mode != TrimMode::None);
+            for (name, options) in all {
+                for named in &options.prims {
+                    let key = format!("trim.{name}.prims");
+                    for trim in warnings.absorb(trims(&stage, &garment.source.model, &key, named)?) {
+                        let path = trim.path.clone();
+                        let asked = bindings.asked.entry(path).or_insert(Asked { trim, by: Vec::new() });
+                        asked.by.push((number, name, options));
+                    }
+                }
+            }
+        }
+        Ok((bindings, warnings))
+    }
+
+    /// Authors where the points of each trim are bound, on the garment that its options name or that is nearest. Warns of trims that
+    /// are not on cloth.
+    ///
+    /// # Errors
+    /// A path that the layer does not admit.
+    pub fn author(self, author: &mut Author, warnings: &mut Warnings) -> openusd::Result<Vec<BoundTrim>> {
+        let mut bound = Vec::with_capacity(self.asked.len());
+        for (path, Asked { trim, by }) in &self.asked {
+            let panels = |garment: usize| &self.garments[garment].source.model.panels;
+            let is_on =
+                |garment: usize, on: &str| on.is_empty() || panels(garment).iter().any(|panel| panel.as_str() == on);
+            let candidates = by.iter().filter(|(garment, _, options)| is_on(*garment, &options.on));
+            let candidates = candidates.filter_map(|by| {
+                let cloth = self.cloths[by.0].as_ref()?;
+                let shape = trim.beside(cloth.model);
+                Some((shape.distance(&cloth.surface), by, cloth, shape))
+            });
+            let nearest = candidates.min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, &(garment, name, options), cloth, shape)) = nearest else {
+                let on: Vec<&str> = by.iter().map(|(_, _, options)| options.on.as_str()).collect();
+                let problem = format!("it rides on no cloth, as {} is not a garment of this build", on.join(" or "));
+                warnings.push(Warning::not_carried(path, problem).remedy("Name the mesh of the garment, or nothing"));
+                continue;
+            };
+            let size = cloth.mesh.size();
+            let (binding, ride) = shape.bound(options.mode, &cloth.surface, size);
+            PrimSpec::over(author.data, path)?;
+            author.binding(path, &binding, &cloth.path)?;
+            if ride.gap > FARTHEST * size {
+                let problem =
+                    format!("a piece of it is {:.3} mesh units away from {}, on which it rides", ride.gap, cloth.path);
+                let remedy = "Move it to the cloth, or name another garment by its option `on`";
+                warnings.push(Warning::new(Code::TrimOffCloth, path, problem).amount(ride.gap).remedy(remedy));
+            }
+            bound.push(BoundTrim { prim: path.to_string(), name: name.to_owned(), garment, ride });
+        }
+        Ok(bound)
+    }
+}
+
+impl<'a> Cloth<'a> {
+    fn of(garment: &GarmentProducts<'a>) -> Result<Option<Self>, Error> {
+        let Some(sim) = garment.products.iter().find(|product| product.role == ProductRole::Sim) else {
+            return Ok(None);
+        };
+        let model = &garment.source.model;
+        let path = model.sibling_path(sim.name).map_err(|e| Error::usd(e.to_string()))?;
+        Ok(Some(Self { surface: BindSurface::new(sim.mesh), mesh: sim.mesh, path, model }))
+    }
+}

@@ -1,0 +1,310 @@
+"""Trims ride on cloth: their places are compared with those of a sheet that bends as a whole, by numpy."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import run
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils, Vt
+from runs import good, refused
+
+R = 60.0
+FRAMES = 5
+BOX = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
+BUTTONS = [(-30, 0), (-10, 10), (10, -10), (30, 0)]
+STUDS = [(-20, 20), (0, -25), (20, 15)]
+
+
+def radius(frame):
+    """The cloth bends around the vertical axis, from a radius of 60 to one of 25."""
+    return R / (1 + 1.4 * frame / (FRAMES - 1))
+
+
+def on_cloth(p, frame):
+    """Where points at (arc length, height, distance from the cloth) are."""
+    p, r = np.asarray(p, float), radius(frame)
+    a = p[..., 0] / r
+    return np.stack([(r + p[..., 2]) * np.sin(a), p[..., 1], (r + p[..., 2]) * np.cos(a) - r], -1)
+
+
+def flat(points):
+    """The (arc length, height, distance from the cloth) of points at rest."""
+    x, z = points[..., 0], points[..., 2] + R
+    return np.stack([R * np.arctan2(x, z), points[..., 1], np.hypot(x, z) - R], -1)
+
+
+def turn(arc, frame):
+    """The rotation of the cloth at an arc length, from rest."""
+    a = arc / radius(frame) - arc / R
+    return np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
+
+
+def vec3f(points):
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
+
+
+def define_mesh(stage, path, points, faces):
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(vec3f(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray([len(face) for face in faces]))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray([int(v) for face in faces for v in face]))
+    mesh.CreateSubdivisionSchemeAttr("none")
+    return mesh
+
+
+def grid(columns, rows, width, height, at=(0, 0), above=0.0):
+    u, v = np.meshgrid(np.linspace(-width / 2, width / 2, columns + 1), np.linspace(-height / 2, height / 2, rows + 1))
+    points = np.stack([u.ravel() + at[0], v.ravel() + at[1], np.full(u.size, above)], 1)
+    n = columns + 1
+    faces = [[n * j + i, n * j + i + 1, n * j + n + i + 1, n * j + n + i] for j in range(rows) for i in range(columns)]
+    return on_cloth(points, 0), faces
+
+
+def boxes():
+    """Buttons of boxes without shared vertices, each on the tangent plane of its middle."""
+    corners = np.array([[v & 1, v >> 1 & 1, v >> 2 & 1] for v in range(8)]) - [0.5, 0.5, 0]
+    points = []
+    for arc, height in BUTTONS:
+        at, own = on_cloth([arc, height, 0.05], 0), corners[np.ravel(BOX)] * [2.2, 1.8, 0.6]
+        a = arc / R
+        frame = np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
+        points.append(at + own @ frame.T)
+    return np.concatenate(points), np.arange(96).reshape(24, 4)
+
+
+@pytest.fixture(scope="module")
+def stage_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("trims") / "front.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/G").GetPrim())
+    define_mesh(stage, "/G/front", *grid(20, 16, 100, 80))
+    # In a space of its own.
+    trims = UsdGeom.Xform.Define(stage, "/G/trims")
+    trims.AddTranslateOp().Set((3, -4, 5))
+    trims.AddRotateXYZOp().Set((20, 30, 40))
+    trims.AddScaleOp().Set((2, 2, 2))
+    to_own = np.linalg.inv(np.array(trims.GetLocalTransformation()))
+    own = lambda p: p @ to_own[:3, :3] + to_own[3, :3]
+    points, faces = boxes()
+    define_mesh(stage, "/G/trims/buttons", own(points), faces)
+    tape, faces = grid(40, 1, 60, 1.5, at=(0, 30), above=0.1)
+    define_mesh(stage, "/G/trims/tape", own(tape), faces)
+    cords = UsdGeom.BasisCurves.Define(stage, "/G/trims/cords")
+    lines = [on_cloth(np.stack([np.linspace(-30, 30, 20), np.full(20, y), np.full(20, 0.3)], 1), 0) for y in (-20, -22)]
+    cords.CreatePointsAttr(vec3f(own(np.concatenate(lines))))
+    cords.CreateCurveVertexCountsAttr([20, 20])
+    cords.CreateTypeAttr("linear")
+    cords.CreateWidthsAttr([0.2])
+    studs = UsdGeom.PointInstancer.Define(stage, "/G/trims/studs")
+    UsdGeom.Sphere.Define(stage, "/G/trims/studs/ball").CreateRadiusAttr(0.3)
+    studs.CreatePrototypesRel().SetTargets(["/G/trims/studs/ball"])
+    studs.CreateProtoIndicesAttr([0] * len(STUDS))
+    studs.CreatePositionsAttr(vec3f(own(on_cloth(np.array([(*at, 0.2) for at in STUDS]), 0))))
+    studs.CreateOrientationsAttr([Gf.Quath(0.6, 0, 0.8, 0)] * len(STUDS))
+    studs.CreateExtentAttr(UsdGeom.PointInstancer(studs).ComputeExtentAtTime(Usd.TimeCode.Default(), Usd.TimeCode.Default()))
+    stage.GetRootLayer().Save()
+    return path
+
+
+ARGS = ("--prim", "/G/front", "--set", "sim.maxEdgeLength=2", "--set", "render.level=0", "--set", "trim.all.prims=trims")
+
+
+@pytest.fixture(scope="module")
+def shot(usdtailor, stage_file, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("built")
+    out, report = folder / "out.usdc", folder / "report.json"
+    done = run(usdtailor, "build", stage_file, "-o", out, "--report", report, *ARGS)
+    assert done.returncode == 0, done.stderr
+    return out, driven(usdtailor, out, folder / "shot.usdc"), json.loads(report.read_text()), done.stdout
+
+
+def driven(usdtailor, built, out, *args):
+    stage = Usd.Stage.Open(str(built))
+    sim = np.array(stage.GetPrimAtPath("/G/sim").GetAttribute("points").Get(), float)
+    np.save(out.with_suffix(".npy"), np.stack([on_cloth(flat(sim), frame) for frame in range(FRAMES)]).astype(np.float32))
+    good(usdtailor, "drive", built, "--cache", out.with_suffix(".npy"), "-o", out, *args)
+    return Usd.Stage.Open(str(out))
+
+
+def world(stage, path, frame, name="points"):
+    prim = stage.GetPrimAtPath(path)
+    points = np.array(prim.GetAttribute(name).Get(float(frame)), float)
+    matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame))
+    return points @ matrix[:3, :3] + matrix[3, :3]
+
+
+def times(stage):
+    return [stage.GetStartTimeCode() + frame for frame in range(FRAMES)]
+
+
+def test_buttons_move_as_wholes_with_the_cloth_below_them(shot):
+    _, stage, _, _ = shot
+    rest = boxes()[0].reshape(len(BUTTONS), 24, 3)
+    for frame, time in enumerate(times(stage)):
+        found = world(stage, "/G/trims/buttons", time).reshape(rest.shape)
+        for piece, before, (arc, height) in zip(found, rest, BUTTONS):
+            size = np.linalg.norm(np.ptp(before, axis=0))
+            at = on_cloth([arc, height, 0], 0)
+            right = on_cloth([arc, height, 0], frame) + (before - at) @ turn(arc, frame).T
+            assert np.linalg.norm(piece - right, axis=1).max() < 0.02 * size, (frame, arc)
+            apart = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (piece, before)]
+            assert np.abs(apart[0] - apart[1]).max() < 1e-4 * size
+
+
+def test_a_tape_and_cords_bend_with_the_cloth(shot):
+    _, stage, _, _ = shot
+    for path, size in (("/G/trims/tape", 60), ("/G/trims/cords", 60)):
+        rest = flat(world(stage, path, times(stage)[0]))
+        for frame, time in enumerate(times(stage)):
+            right = on_cloth(rest, frame)
+            assert np.linalg.norm(world(stage, path, time) - right, axis=1).max() < 0.002 * size, (path, frame)
+
+
+def test_instances_move_and_turn(shot):
+    _, stage, _, _ = shot
+    studs = UsdGeom.PointInstancer(stage.GetPrimAtPath("/G/trims/studs"))
+    to_world = np.array(UsdGeom.Xformable(studs).ComputeLocalToWorldTransform(0))
+    matrices = [studs.ComputeInstanceTransformsAtTime(time, time) for time in times(stage)]
+    at_rest = [np.array(m) @ to_world for m in matrices[0]]
+    for frame, of_frame in enumerate(matrices):
+        for matrix, rest, (arc, height) in zip(of_frame, at_rest, STUDS):
+            found = np.array(matrix) @ to_world
+            assert np.linalg.norm(found[3, :3] - on_cloth([arc, height, 0.2], frame)) < 0.012
+            right = rest[:3, :3] @ turn(arc, frame).T
+            # Orientations have half precision.
+            assert np.abs(found[:3, :3] - right).max() < 0.02 * 2, (frame, arc)
+    time = times(stage)[-1]
+    low, high = np.array(studs.GetExtentAttr().Get(time))
+    positions = np.array(studs.GetPositionsAttr().Get(time))
+    assert (low <= positions.min(0) - 0.29).all() and (high >= positions.max(0) + 0.29).all()
+
+
+def test_pieces_and_modes_are_told(shot, usdtailor, stage_file):
+    _, _, report, text = shot
+    found = {trim["prim"].rsplit("/", 1)[1]: (trim["pieces"], trim["rigid"]) for trim in report["trims"]}
+    assert found == {"buttons": (4, 4), "tape": (1, 0), "cords": (2, 0), "studs": (3, 3)}
+    assert "/G/trims/buttons: 4 rigid pieces (small)" in text and "1 soft piece (large and thin)" in text
+    info = good(usdtailor, "info", stage_file, *ARGS)
+    assert "/G/trims/buttons: 4 rigid pieces (small)" in info.stdout
+
+
+def test_a_mode_is_of_all_pieces(usdtailor, stage_file, tmp_path):
+    built = tmp_path / "out.usdc"
+    good(usdtailor, "build", stage_file, "-o", built, *ARGS, "--set", "trim.all.mode=soft")
+    stage = driven(usdtailor, built, tmp_path / "shot.usdc")
+    piece = world(stage, "/G/trims/buttons", times(stage)[-1])[:24]
+    rest = boxes()[0][:24]
+    apart = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (piece, rest)]
+    assert np.abs(apart[0] - apart[1]).max() > 0.02, "each point bends with the cloth"
+    good(usdtailor, "build", stage_file, "-o", tmp_path / "none.usdc", *ARGS, "--set", "trim.all.mode=none")
+    stage = Usd.Stage.Open(str(tmp_path / "none.usdc"))
+    prim = stage.GetPrimAtPath("/G/trims/buttons")
+    assert prim and not prim.HasRelationship("tailor:bindTarget")
+
+
+@pytest.mark.parametrize("args", [["--flatten"], []], ids=["flat", "over"])
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_every_output_has_the_places(shot, usdtailor, stage_file, tmp_path, args, suffix):
+    out = tmp_path / f"out{suffix}"
+    good(usdtailor, "build", stage_file, "-o", out, *ARGS, *args)
+    stages = [Usd.Stage.Open(str(path)) for path in (shot[0], out)]
+    first, second = (stage.GetPrimAtPath("/G/trims/buttons") for stage in stages)
+    for name in ("primvars:tailor:bindFace", "primvars:tailor:bindCoords"):
+        assert np.allclose(np.array(first.GetAttribute(name).Get()), np.array(second.GetAttribute(name).Get()), atol=1e-5)
+        assert UsdGeom.Primvar(second.GetAttribute(name)).GetInterpolation() == "vertex"
+    stage = driven(usdtailor, out, tmp_path / "shot.usdc")
+    assert np.allclose(world(stage, "/G/trims/tape", times(stage)[-1]), world(shot[1], "/G/trims/tape", times(shot[1])[-1]), atol=1e-3)
+
+
+def test_clips_and_text_have_the_same_frames(shot, usdtailor, tmp_path):
+    for name, args in (("clips.usda", ["--clips"]), ("text.usda", [])):
+        stage = driven(usdtailor, shot[0], tmp_path / name, *args)
+        time = times(stage)[-2]
+        for path, attribute in (("buttons", "points"), ("studs", "positions")):
+            path = f"/G/trims/{path}"
+            assert np.allclose(world(stage, path, time, attribute), world(shot[1], path, times(shot[1])[-2], attribute), atol=1e-4)
+        turns = [UsdGeom.PointInstancer(s.GetPrimAtPath("/G/trims/studs")).GetOrientationsAttr().Get(time) for s in (stage, shot[1])]
+        assert turns[0] == turns[1] and turns[0][0] != Gf.Quath(0.6, 0, 0.8, 0)
+
+
+def test_relationships_name_trims_and_they_are_no_garments(usdtailor, stage_file, tmp_path):
+    """Without --prim: a mesh that options name as a trim is not one of the meshes to choose from."""
+    path = tmp_path / "authored.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    front = stage.OverridePrim("/G/front")
+    front.CreateRelationship("tailor:trim:all:prims").SetTargets(["/G/trims"])
+    front.CreateAttribute("tailor:trim:all:mode", Sdf.ValueTypeNames.Token).Set("rigid")
+    stage.GetRootLayer().Save()
+    out = tmp_path / "out.usdc"
+    done = good(usdtailor, "build", path, "-o", out, "--set", "render.level=0")
+    assert "/G/trims/tape: 1 rigid piece" in done.stdout
+    assert refused(usdtailor, "build", stage_file, "-o", tmp_path / "no.usdc", says=["several-meshes"])
+
+
+def test_all_leaves_out_what_is_too_small_or_too_thick(usdtailor, stage_file, tmp_path):
+    out = tmp_path / "out.usdc"
+    done = good(usdtailor, "build", stage_file, "-o", out, "--all", "--set", "render.level=0")
+    stage = Usd.Stage.Open(str(out))
+    assert stage.GetPrimAtPath("/G/trims/buttons").GetRelationship("tailor:bindTarget").GetTargets()
+    assert stage.GetPrimAtPath("/G/trims/sim") and not stage.GetPrimAtPath("/G/trims/buttons_sim")
+    assert "/G/trims/buttons: 4 rigid pieces (small)" in done.stdout
+    # Options of its own make it cloth.
+    path = tmp_path / "cloth.usda"
+    own = Usd.Stage.CreateNew(str(path))
+    own.GetRootLayer().subLayerPaths.append(str(stage_file))
+    own.OverridePrim("/G/trims/buttons").CreateAttribute("tailor:cloth:fabric", Sdf.ValueTypeNames.Token).Set("leather")
+    own.GetRootLayer().Save()
+    good(usdtailor, "build", path, "-o", tmp_path / "two.usdc", "--all", "--set", "render.level=0")
+    stage = Usd.Stage.Open(str(tmp_path / "two.usdc"))
+    assert stage.GetPrimAtPath("/G/trims/buttons_sim") and stage.GetPrimAtPath("/G/trims/tape_sim")
+
+
+def test_a_trim_rides_on_the_nearest_garment_or_on_the_one_that_is_named(usdtailor, stage_file, tmp_path):
+    path = tmp_path / "two.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    define_mesh(stage, "/G/lining", on_cloth(flat(np.array(stage.GetPrimAtPath("/G/front").GetAttribute("points").Get())) - [0, 0, 1.5], 0), grid(20, 16, 100, 80)[1])
+    stage.GetRootLayer().Save()
+    args = ("--all", "--set", "render.level=0", "--set", "trim.all.prims=/G/trims")
+    for number, (on, right) in enumerate([([], "/G/front"), (["--set", "trim.all.on=/G/lining"], "/G/lining")]):
+        out = tmp_path / f"out{number}.usdc"
+        good(usdtailor, "build", path, "-o", out, *args, *on)
+        built = Usd.Stage.Open(str(out))
+        for trim in ("buttons", "tape", "cords", "studs"):
+            [target] = built.GetPrimAtPath(f"/G/trims/{trim}").GetRelationship("tailor:bindTarget").GetTargets()
+            assert str(target) == f"{right}_sim", trim
+
+
+def test_bad_trims_are_told(usdtailor, stage_file, tmp_path):
+    out = tmp_path / "out.usdc"
+    base = ("build", stage_file, "-o", out, "--prim", "/G/front", "--set", "render.level=0")
+    for value, says in [
+        ("trim.x.prims=/G/button", ["wrong-prim", "trim.x.prims", "/G/button is not a prim"]),
+        ("trim.x.prims=/G/front", ["wrong-prim", "the garment itself"]),
+        ("trim.x.prims=a b", ["wrong-prim", "a b"]),
+        ("trim.x.mode=soft", ["names no prim"]),
+    ]:
+        refused(usdtailor, *base, "--set", value, says=says)
+        assert not out.exists()
+    path = tmp_path / "far.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    stage.OverridePrim("/G/trims").GetAttribute("xformOp:translate").Set((3, -4, 300))
+    UsdGeom.Cube.Define(stage, "/G/trims/block")
+    stage.GetRootLayer().Save()
+    done = good(usdtailor, "build", path, "-o", out, *ARGS)
+    assert "trim-off-cloth" in done.stderr and "/G/trims/buttons" in done.stderr
+    assert "not-carried" in done.stderr and "/G/trims/block" in done.stderr and "Cube" in done.stderr
+
+
+def test_threads_give_the_same_bytes(usdtailor, stage_file, tmp_path):
+    outs = [tmp_path / f"{threads}.usdc" for threads in (1, 4)]
+    for out, threads in zip(outs, (1, 4)):
+        good(usdtailor, "build", stage_file, "-o", out, *ARGS, "--threads", threads, "--flatten")
+    layers = [Sdf.Layer.FindOrOpen(str(out)) for out in outs]
+    for name in ("primvars:tailor:bindFace", "primvars:tailor:bindCoords"):
+        first, second = (layer.GetAttributeAtPath(f"/G/trims/tape.{name}").default for layer in layers)
+        assert first == second and len(first) > 0
