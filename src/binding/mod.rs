@@ -96,6 +96,7 @@ impl<'a> BindSurface<'a> {
     }
 
     /// The distance of a point. \[mesh units\]
+    #[cfg(feature = "usd")]
     pub fn distance(&self, point: Vec3) -> f32 {
         let (face, _) = self.nearest(point);
         self.nearest_of(face, point).0.sqrt() as f32

@@ -1,6 +1,7 @@
 //! A composed property, copied so that one layer can author it again.
 
 use super::assets::{Anchor, resolved};
+use super::names;
 use openusd::sdf::{self, AbstractData, ChildrenKey, FieldKey, Path, TimeSampleMap, Value, ValueTypeName, Variability};
 use openusd::usd::{Attribute, Prim, SpecSite, Stage, TimeCode};
 use std::collections::BTreeSet;
@@ -87,6 +88,8 @@ pub enum Content {
     Relationship {
         /// Paths of the targets.
         targets: Vec<Path>,
+        /// The relationship itself, where a variant has its targets.
+        of_variant: Option<Path>,
     },
 }
 
@@ -110,12 +113,15 @@ impl Record {
             Some(sdf::SpecType::Relationship) => {
                 let relationship = prim.relationship(name);
                 let variability = prim.stage().field(relationship.path(), FieldKey::Variability)?;
+                let sites = relationship.property_stack()?;
+                let is_of_variant = sites.iter().any(|site| site.path.contains_prim_variant_selection());
+                let of_variant = is_of_variant.then(|| relationship.path().clone());
                 Ok(Some(Self {
                     name: name.to_owned(),
                     variability: variability.unwrap_or_default(),
                     custom: relationship.is_custom()?,
-                    metadata: metadata(prim.stage(), relationship.path(), &relationship.property_stack()?)?,
-                    content: Content::Relationship { targets: relationship.targets()? },
+                    metadata: metadata(prim.stage(), relationship.path(), &sites)?,
+                    content: Content::Relationship { targets: relationship.targets()?, of_variant },
                     has_spline: false,
                 }))
             }
@@ -167,7 +173,7 @@ impl Record {
             Content::Attribute { default, samples, connections, .. } => {
                 default.as_ref().is_some_and(|v| !v.is_value_block()) || samples.is_some() || !connections.is_empty()
             }
-            Content::Relationship { targets } => !targets.is_empty(),
+            Content::Relationship { targets, .. } => !targets.is_empty(),
         }
     }
 
@@ -188,9 +194,26 @@ impl Record {
                 }
                 set_paths(data, &path, FieldKey::ConnectionPaths, connections);
             }
-            Content::Relationship { targets } => set_paths(data, &path, FieldKey::TargetPaths, targets),
+            Content::Relationship { targets, .. } => set_paths(data, &path, FieldKey::TargetPaths, targets),
         }
         Ok(())
+    }
+
+    /// As [`Record::author`], for a product in a layer over the stage. A material that a variant binds is that of the model, so that
+    /// another variant still changes it: USD follows a target that is a relationship.
+    ///
+    /// # Errors
+    /// A path or type that the layer does not admit.
+    pub fn author_over(&self, data: &mut dyn AbstractData, owner: &Path, anchor: Anchor) -> openusd::Result<()> {
+        let is_direct = names::is_material(&self.name) && !self.name.starts_with(names::MATERIAL_BINDING_COLLECTION);
+        match &self.content {
+            Content::Relationship { of_variant: Some(model), .. } if is_direct => {
+                let path = self.declare(data, owner)?;
+                set_paths(data, &path, FieldKey::TargetPaths, std::slice::from_ref(model));
+                Ok(())
+            }
+            _ => self.author(data, owner, anchor),
+        }
     }
 
     /// Authors type and metadata of the property, without a value.

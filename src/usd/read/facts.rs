@@ -172,7 +172,7 @@ pub fn materials(paths: &BTreeMap<String, String>) -> BTreeMap<String, String> {
 pub fn material_paths(model: &Model, facts: &Facts) -> BTreeMap<String, String> {
     let of_records = |records: &[Record]| {
         let binding = records.iter().find(|record| record.name == names::MATERIAL_BINDING)?;
-        let Content::Relationship { targets } = &binding.content else { return None };
+        let Content::Relationship { targets, .. } = &binding.content else { return None };
         targets.first().map(|target| target.as_str().to_owned())
     };
     let is_above = |binding: &&MaterialBinding| {

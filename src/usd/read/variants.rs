@@ -1,5 +1,6 @@
 //! Variant sets of the model and of the prims above it, and layers that select variants.
 
+use super::choose::with_ancestors;
 use super::query::{OrUnreadable, prim_at};
 use crate::error::{Error, ErrorCode};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
@@ -88,6 +89,34 @@ pub fn choices_of(prim: &Prim, set: &str) -> Result<Vec<Selection>, Error> {
     let choices: BTreeSet<String> = sites.iter().flat_map(|site| choices_at(prim, site, set)).collect();
     let path = prim.path().as_str();
     Ok(choices.into_iter().map(|choice| Selection { prim: path.to_owned(), set: set.to_owned(), choice }).collect())
+}
+
+/// The properties of `prim` below which some variant of it or of a prim above it says something, selected or not, as far as the layers
+/// with the variants say so themselves.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn varied_properties(prim: &Prim) -> Result<BTreeSet<String>, Error> {
+    let mut found = BTreeSet::new();
+    for path in with_ancestors(prim.path()) {
+        let owner = prim_at(prim.stage(), &path)?;
+        let below = prim.path().as_str().strip_prefix(path.as_str()).unwrap_or_default().trim_start_matches('/');
+        for site in owner.prim_stack().or_unreadable(&path)? {
+            for set in children_at(&owner, &site, &site.path, ChildrenKey::VariantSetChildren) {
+                for choice in choices_at(&owner, &site, &set) {
+                    let place = site.path.append_variant_selection(&set, &choice).and_then(|variant| {
+                        below
+                            .split('/')
+                            .filter(|name| !name.is_empty())
+                            .try_fold(variant, |path, name| path.append_path(name))
+                    });
+                    let Ok(place) = place else { continue };
+                    found.extend(children_at(&owner, &site, &place, ChildrenKey::PropertyChildren));
+                }
+            }
+        }
+    }
+    Ok(found)
 }
 
 /// Names of the variants of a set that one layer holds.

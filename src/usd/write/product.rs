@@ -46,7 +46,7 @@ impl Author<'_> {
         self.schemas(&path, &model.applied, before.is_some());
         let rest = self.rest(product.mesh);
         for record in model.carried.iter().filter(|record| rest.is_none() || !names::is_drawn_material(&record.name)) {
-            record.author(self.data, &path, self.anchor)?;
+            self.carry(record, &path)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
         let of_role = |role| product.mesh.primvars.iter().filter(move |p| p.role == role);
@@ -66,6 +66,14 @@ impl Author<'_> {
             self.block_earlier(&path, before)?;
         }
         Ok(warnings)
+    }
+
+    /// Authors what a product has as the model has it.
+    pub(super) fn carry(&mut self, record: &Record, prim: &Path) -> openusd::Result<()> {
+        match self.is_overlay {
+            true => record.author_over(self.data, prim, self.anchor),
+            false => record.author(self.data, prim, self.anchor),
+        }
     }
 
     /// Authors where the points of the render mesh and of the model are bound.

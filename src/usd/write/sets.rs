@@ -52,7 +52,7 @@ impl Author<'_> {
         }
         self.ints(&path, names::INDICES, subset.elements.indices())?;
         for record in &record.carried {
-            record.author(self.data, &path, self.anchor)?;
+            self.carry(record, &path)?;
         }
         if let Some(sharpness) = subset.sharpness {
             let (type_name, uniform) = (ValueTypeName::FLOAT, Variability::Uniform);
@@ -115,7 +115,7 @@ impl Author<'_> {
         self.schemas(&path, &[Token::from(names::MATERIAL_BINDING_API)], false);
         let model = self.model;
         for record in model.carried.iter().filter(|record| is_drawn_material(&record.name)) {
-            record.author(self.data, &path, self.anchor)?;
+            self.carry(record, &path)?;
         }
         Ok(())
     }

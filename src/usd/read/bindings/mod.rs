@@ -12,6 +12,7 @@ pub use looks::{Look, looks};
 use super::choose::with_ancestors;
 use super::model::Model;
 use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value};
+use super::variants::varied_properties;
 use crate::error::Error;
 use crate::usd::names;
 use crate::usd::record::{Content, Record};
@@ -34,7 +35,7 @@ pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> 
     for purpose in PURPOSES {
         let winner = winner(prim, purpose)?;
         if let Some(Winner { material, is_collection: true }) = &winner {
-            bind(&mut model.carried, &mut model.applied, purpose, material);
+            bind(&mut model.carried, &mut model.applied, &binding_name(purpose), direct(material));
         }
         of_mesh.push(winner);
     }
@@ -47,7 +48,7 @@ pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> 
             let own = record.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
             let without = own.or_else(|| of_mesh.as_ref().map(|mesh| mesh.material.clone()));
             if is_by_collection && without.as_ref() != Some(&winner.material) {
-                bind(&mut record.carried, &mut record.applied, purpose, &winner.material);
+                bind(&mut record.carried, &mut record.applied, &binding_name(purpose), direct(&winner.material));
             }
         }
     }
@@ -66,7 +67,7 @@ pub fn resolve_inherited(prim: &Prim, parent: &Path, model: &mut Model) -> Resul
             if parent.is_abs_root() { None } else { winner(&above, purpose)?.map(|winner| winner.material) };
         let own = model.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
         if let Some(material) = found.filter(|found| Some(found) != own.as_ref() && Some(found) != of_parent.as_ref()) {
-            bind(&mut model.carried, &mut model.applied, purpose, &material);
+            bind(&mut model.carried, &mut model.applied, &binding_name(purpose), direct(&material));
         }
     }
     Ok(())
@@ -85,25 +86,45 @@ fn has_collections(prim: &Prim) -> Result<bool, Error> {
 }
 
 fn target(record: &Record) -> Option<Path> {
-    let Content::Relationship { targets } = &record.content else { return None };
+    let Content::Relationship { targets, .. } = &record.content else { return None };
     targets.first().cloned()
 }
 
-/// Binds a material directly, in place of what is there for the purpose.
-fn bind(records: &mut Vec<Record>, applied: &mut Vec<Token>, purpose: &str, material: &Path) {
-    let name = binding_name(purpose);
+/// Binds a material directly, in place of what is there under the name.
+fn bind(records: &mut Vec<Record>, applied: &mut Vec<Token>, name: &str, content: Content) {
     records.retain(|record| record.name != name);
     records.push(Record {
-        name,
+        name: name.to_owned(),
         variability: Variability::Uniform,
         custom: false,
         metadata: Vec::new(),
-        content: Content::Relationship { targets: vec![material.clone()] },
+        content,
         has_spline: false,
     });
     if !applied.iter().any(|schema| schema.as_str() == names::MATERIAL_BINDING_API) {
         applied.push(Token::from(names::MATERIAL_BINDING_API));
     }
+}
+
+/// A binding to one material.
+fn direct(material: &Path) -> Content {
+    Content::Relationship { targets: vec![material.clone()], of_variant: None }
+}
+
+/// Adds the bindings that only other variants than the selected ones have, so that products follow these too.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn add_of_variants(prim: &Prim, records: &mut Vec<Record>, applied: &mut Vec<Token>) -> Result<(), Error> {
+    let varied = varied_properties(prim)?;
+    for name in PURPOSES.map(binding_name) {
+        if records.iter().any(|record| record.name == name) || !varied.contains(&name) {
+            continue;
+        }
+        let path = prim.path().append_property(name.as_str()).or_unreadable(prim.path())?;
+        bind(records, applied, &name, Content::Relationship { targets: Vec::new(), of_variant: Some(path) });
+    }
+    Ok(())
 }
 
 fn binding_name(purpose: &str) -> String {
