@@ -65,14 +65,15 @@ def build():
             # The faces before the slit take its right side.
             of = right if n == SLIT_COLUMN else at
             faces.append([at[r + 1, c], of[r + 1, n], of[r, n], at[r, c]])
-            panels.append("waistband" if r < BAND_ROWS else "slit_placket" if r >= first and c == SLIT_COLUMN else "body")
+            panels.append("waistband" if r < BAND_ROWS else "slit_placket" if r > first and c == SLIT_COLUMN else "body")
             gap = 6.0 if r < BAND_ROWS else 0.0
             uvs += [(across[q][c + k] / 100 + 2, (height[q] + gap) / 100 + 1) for q, k in ((r + 1, 0), (r + 1, 1), (r, 1), (r, 0))]
     ring = lambda r, of=at: [(of[r, c], of[r, (c + 1) % COLUMNS]) for c in range(COLUMNS)]
     slit = [(side[r], side[r + 1]) for side in (at[first - 1:, SLIT_COLUMN], np.r_[at[first - 1, SLIT_COLUMN], right[first:, SLIT_COLUMN]])
             for r in range(SLIT)]
     hem = [(a, right[-1, SLIT_COLUMN] if b == at[-1, SLIT_COLUMN] else b) for a, b in ring(-1)]
-    edges = {"waist_seam": ring(BAND_ROWS), "waist_edge": ring(0), "hem": hem, "slit": slit}
+    placket = [(at[r, SLIT_COLUMN + 1], at[r + 1, SLIT_COLUMN + 1]) for r in range(first, len(rows) - 1)]
+    edges = {"waist_seam": ring(BAND_ROWS), "waist_edge": ring(0), "hem": hem, "slit": slit, "placket_edge": placket}
     creases = [[int(i) for i in at[BAND_ROWS:, c]] for c in range(COLUMNS) if c % 4 in (2, 3) and c != SLIT_COLUMN]
     return np.array(points), faces, panels, np.array(uvs), edges, creases, at
 
@@ -225,6 +226,7 @@ def recipe(body):
         prim.CreateAttribute(f"tailor:{name}", kind, False, Sdf.VariabilityUniform).Set(value)
     for name, targets in (
             ("trim:all:prims", ["/Skirt/loops", "/Skirt/buttons", "/Skirt/zip_tape", "/Skirt/zip_teeth"]),
+            ("sim:constraints", ["/Skirt/body/placket_edge"]),
             ("seam:waist:edges", ["/Skirt/body/waist_seam"]), ("fold:placket:faces", ["/Skirt/body/slit_placket"])):
         prim.CreateRelationship(f"tailor:{name}", False).SetTargets(targets)
 

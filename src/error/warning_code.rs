@@ -59,6 +59,8 @@ pub enum Code {
     AreaChanged,
     /// Face subsets are too small for the triangles of the simulation mesh.
     SetsBlurred,
+    /// Products keep what the selected variant has.
+    FrozenVariant,
     /// A trim lies away from the cloth that it rides on.
     TrimOffCloth,
     /// A seam is narrower than its width, or lacks a row.
@@ -169,7 +171,8 @@ impl Code {
             | Self::PolygonalCage
             | Self::SetRenamed
             | Self::OperatorsLeftOut
-            | Self::ThreadsCapped => Severity::Note,
+            | Self::ThreadsCapped
+            | Self::FrozenVariant => Severity::Note,
         }
     }
 }

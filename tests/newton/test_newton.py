@@ -125,3 +125,35 @@ def test_a_short_drape_drives_a_shot(tmp_path):
     end = np.array(cache.GetPrimAtPath("/Tshirt/sim").GetAttribute("points").Get(8))
     assert np.linalg.norm(end[held] - end[below].mean(axis=1), axis=1).max() < 6
     assert (out / "strip.png").stat().st_size > 10_000
+
+
+def on_triangles(points, corners):
+    """The distance of each point from the nearest of some triangles, by points all over them."""
+    weights = np.array([(i, j, 12 - i - j) for i in range(13) for j in range(13 - i)]) / 12
+    samples = np.einsum("wk,tkc->twc", weights, corners).reshape(-1, 3)
+    return np.array([np.linalg.norm(samples - point, axis=1).min() for point in points])
+
+
+def test_trims_ride_on_a_draped_skirt_that_is_pinned_at_the_waist(tmp_path):
+    out = tmp_path / "drape"
+    command = [sys.executable, ROOT / "examples/drape.py", ROOT / "examples/trims/skirt.usda", "-o", out]
+    command += ["--frames", 6, "--length", 3, "--level", 1, "--quick", "--usdtailor", USDTAILOR]
+    done = subprocess.run([str(w) for w in command], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    stages = {name: Usd.Stage.Open(str(out / f"{name}.usdc")) for name in ("built", "cache", "shot")}
+    built, shot = stages["built"], stages["shot"]
+    sim = built.GetPrimAtPath("/Skirt/sim")
+    triangles = np.array(sim.GetAttribute("faceVertexIndices").Get()).reshape(-1, 3)
+    cache = stages["cache"].GetPrimAtPath("/Skirt/sim").GetAttribute("points")
+    first, last = (np.array(cache.Get(frame)) for frame in (1, 6))
+    pins = np.array(built.GetPrimAtPath("/Skirt/physics/pins").GetAttribute("physics:indices0").Get())
+    assert np.abs(last - first)[pins].max() < 0.1 < np.abs(last - first).max()
+    for name, attribute, pieces in (("buttons", "points", 3), ("loops", "points", 6), ("zip_teeth", "positions", 32)):
+        values = shot.GetPrimAtPath(f"/Skirt/{name}").GetAttribute(attribute)
+        rest, end = (np.array(values.Get(frame), float).reshape(pieces, -1, 3) for frame in (1, 6))
+        for before, after in zip(rest, end):
+            size = max(np.linalg.norm(np.ptp(before, axis=0)), 0.5)
+            apart = [np.linalg.norm(p[:, None] - p[None], axis=2) for p in (before, after)]
+            assert np.abs(apart[0] - apart[1]).max() < 1e-3 * size, name
+            near = [on_triangles([p.min(0) / 2 + p.max(0) / 2], q[triangles])[0] for p, q in ((before, first), (after, last))]
+            assert abs(near[0] - near[1]) < 0.02 * size + 0.13, name

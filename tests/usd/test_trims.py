@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from conftest import run
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdUtils, Vt
+from conftest import EXAMPLES, run
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
 from runs import good, refused
 
 R = 60.0
@@ -308,3 +308,51 @@ def test_threads_give_the_same_bytes(usdtailor, stage_file, tmp_path):
     for name in ("primvars:tailor:bindFace", "primvars:tailor:bindCoords"):
         first, second = (layer.GetAttributeAtPath(f"/G/trims/tape.{name}").default for layer in layers)
         assert first == second and len(first) > 0
+
+
+SKIRT = EXAMPLES / "trims/skirt.usda"
+
+
+def test_the_skirt_has_its_trims_and_looks_in_every_size(usdtailor, tmp_path):
+    out = tmp_path / "skirt.usdc"
+    done = good(usdtailor, "build", SKIRT, "-o", out, "--variants", "size", "--set", "render.level=1", "--strict")
+    assert "warning" not in done.stderr
+    stage = Usd.Stage.Open(str(out))
+    root, seen = stage.GetDefaultPrim(), set()
+    for size in root.GetVariantSet("size").GetVariantNames():
+        root.GetVariantSet("size").SetVariantSelection(size)
+        for colour in root.GetVariantSet("colour").GetVariantNames():
+            root.GetVariantSet("colour").SetVariantSelection(colour)
+            bound = {UsdShade.MaterialBindingAPI(stage.GetPrimAtPath(f"/Skirt/{name}")).ComputeBoundMaterial()[0].GetPath().name for name in ("body", "render", "sim")}
+            assert bound == {colour}
+        sim = stage.GetPrimAtPath("/Skirt/sim")
+        points = np.array(sim.GetAttribute("points").Get(), float)
+        triangles = np.array(sim.GetAttribute("faceVertexIndices").Get()).reshape(-1, 3)
+        for name, attribute in (("buttons", "points"), ("loops", "points"), ("zip_tape", "points"), ("zip_teeth", "positions")):
+            prim = stage.GetPrimAtPath(f"/Skirt/{name}")
+            own = np.array(prim.GetAttribute(attribute).Get(), float)
+            faces = np.array(prim.GetAttribute("primvars:tailor:bindFace").Get())
+            coords = np.array(prim.GetAttribute("primvars:tailor:bindCoords").Get(), float)
+            assert len(faces) == len(coords) == len(own)
+            weights = np.stack([coords[:, 0], coords[:, 1], 1 - coords[:, 0] - coords[:, 1]], 1)
+            places = np.einsum("pk,pkc->pc", weights, points[triangles[faces]])
+            assert np.linalg.norm(places - own, axis=1).max() < 4, (size, name)
+            seen.add((name, round(float(np.abs(own[:, 0]).max()), 2)))
+    assert len(seen) >= 3 * 3, "trims have a size each"
+
+
+def test_a_shot_of_the_skirt_moves_its_trims(usdtailor, tmp_path):
+    out, shot = tmp_path / "skirt.usdc", tmp_path / "shot.usdc"
+    good(usdtailor, "build", SKIRT, "-o", out, "--set", "render.level=1")
+    stage = Usd.Stage.Open(str(out))
+    rest = np.array(stage.GetPrimAtPath("/Skirt/sim").GetAttribute("points").Get(), float)
+    a = np.radians(30)
+    turned = rest @ np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]]).T + [5, -3, 2]
+    np.save(tmp_path / "cache.npy", np.stack([rest, turned]).astype(np.float32))
+    good(usdtailor, "drive", out, "--cache", tmp_path / "cache.npy", "-o", shot)
+    stage = Usd.Stage.Open(str(shot))
+    for name, attribute in (("render", "points"), ("buttons", "points"), ("loops", "points"), ("zip_tape", "points"), ("zip_teeth", "positions")):
+        values = stage.GetPrimAtPath(f"/Skirt/{name}").GetAttribute(attribute)
+        start, end = (np.array(values.Get(stage.GetStartTimeCode() + frame), float) for frame in (0, 1))
+        right = start @ np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]]).T + [5, -3, 2]
+        assert np.abs(end - right).max() < 1e-3, name

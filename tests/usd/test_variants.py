@@ -5,7 +5,7 @@ import json
 import numpy
 import pytest
 from conftest import run
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, UsdShade
 from sources import sheet, write
 
 SIZES = {"S": 1.0, "M": 1.3, "L": 1.7}
@@ -223,3 +223,80 @@ def test_a_stage_may_select_a_variant_without_the_mesh(usdtailor, tmp_path, args
     for name in ("off", "on", "twice"):
         root.GetVariantSets().GetVariantSet("worn").SetVariantSelection(name)
         assert bool(built.GetPrimAtPath("/Coat/render")) == (name != "off")
+
+
+def add_looks(path):
+    """Variants bind materials: one binds the mesh, one a set of its faces, and one nothing. One has another colour."""
+    stage = Usd.Stage.Open(str(path))
+    root = stage.GetDefaultPrim()
+    model = next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    materials = {name: UsdShade.Material.Define(stage, f"{root.GetPath()}/materials/{name}") for name in ("wool", "tartan", "trim")}
+    faces = UsdGeom.Subset.CreateGeomSubset(UsdGeom.Mesh(model), "cuff", "face", [0, 1, 2], "materialBind", "nonOverlapping")
+    looks = root.GetVariantSets().AddVariantSet("look")
+    for name in ("plain", "wool", "tartan", "cuffed"):
+        looks.AddVariant(name)
+        looks.SetVariantSelection(name)
+        with looks.GetVariantEditContext():
+            if name in ("wool", "tartan"):
+                UsdShade.MaterialBindingAPI.Apply(model).Bind(materials[name])
+            if name == "cuffed":
+                UsdShade.MaterialBindingAPI.Apply(faces.GetPrim()).Bind(materials["trim"])
+    looks.SetVariantSelection("plain")
+    stage.Save()
+    return path, model.GetPath()
+
+
+def materials_of(stage, prim):
+    bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+    cuff = prim.GetChild("cuff")
+    return [str(m.GetPath()) for m in (bound, UsdShade.MaterialBindingAPI(cuff).ComputeBoundMaterial()[0])]
+
+
+@pytest.mark.parametrize("selected_at_build", ["plain", "wool", "cuffed"])
+@pytest.mark.parametrize("args", [["--variants", "size"], []], ids=["sizes", "one"])
+def test_products_follow_the_materials_of_other_sets(usdtailor, sized, tmp_path, args, selected_at_build):
+    path, model = add_looks(sized)
+    stage = Usd.Stage.Open(str(path))
+    stage.GetDefaultPrim().GetVariantSet("look").SetVariantSelection(selected_at_build)
+    stage.Save()
+    out = tmp_path / "out.usda"
+    done = run(usdtailor, "build", path, "-o", out, "--set", "render.level=0", *args)
+    assert done.returncode == 0, done.stderr
+    stage = Usd.Stage.Open(str(out))
+    seen = set()
+    for look in ("plain", "wool", "tartan", "cuffed"):
+        stage.GetDefaultPrim().GetVariantSet("look").SetVariantSelection(look)
+        right = materials_of(stage, stage.GetPrimAtPath(model))
+        for name in ("render", "sim"):
+            product = stage.GetPrimAtPath(model.GetParentPath().AppendChild(name))
+            assert materials_of(stage, product) == right, (look, name)
+        seen.add(tuple(right))
+    assert len(seen) == 4
+
+
+def test_what_products_keep_of_a_variant_is_told(usdtailor, sized, tmp_path):
+    out = tmp_path / "out.usda"
+    base = ("build", sized, "--set", "render.level=0", "-o")
+    said = run(usdtailor, *base, out).stderr
+    assert "frozen-variant" in said and "`points` of size=M" in said and "--variants size" in said
+    assert "frozen-variant" not in run(usdtailor, *base, tmp_path / "sizes.usda", "--variants", "size").stderr
+    said = run(usdtailor, *base, tmp_path / "flat.usda", "--flatten").stderr
+    assert "the flattened output is of size=M" in said
+    # Notes do not fail a strict build.
+    assert run(usdtailor, *base, tmp_path / "strict.usda", "--strict", "--set", "sim.uvSet=").returncode == 0
+
+
+def test_a_set_of_materials_alone_is_not_frozen(usdtailor, sized, tmp_path):
+    path, _ = add_looks(sized)
+    said = run(usdtailor, "build", path, "-o", tmp_path / "out.usda", "--variants", "size", "--set", "render.level=0").stderr
+    assert "frozen-variant" not in said
+    stage = Usd.Stage.Open(str(path))
+    root = stage.GetDefaultPrim()
+    model = next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    looks = root.GetVariantSet("look")
+    looks.SetVariantSelection("tartan")
+    with looks.GetVariantEditContext():
+        UsdGeom.PrimvarsAPI(model).CreatePrimvar("tint", Sdf.ValueTypeNames.Color3fArray, "constant").Set([(1, 0, 0)])
+    stage.Save()
+    said = run(usdtailor, "build", path, "-o", tmp_path / "two.usda", "--variants", "size", "--set", "render.level=0").stderr
+    assert "frozen-variant" in said and "`primvars:tint` of look=tartan" in said

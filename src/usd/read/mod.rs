@@ -35,4 +35,4 @@ pub use space::{transforms, world_of};
 pub use trims::{TrimPrim, has_points, points_name, trims};
 #[cfg(feature = "preview")]
 pub use variants::select;
-pub use variants::{Selection, VariantSet};
+pub use variants::{Selection, VariantSet, flattened_variants};

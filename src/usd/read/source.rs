@@ -11,7 +11,7 @@ use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::query::prim_at;
 use super::recipe::{add_constraint, read_recipe};
-use super::variants::{Selection, choices_of};
+use super::variants::{Selection, choices_of, frozen};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
@@ -139,6 +139,7 @@ impl Source {
         // Prims are composed when they are read.
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
+        warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
         let records = BuildRecord::in_layers(stage);
         let mut source = Self {
             model,

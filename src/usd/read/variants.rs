@@ -1,13 +1,14 @@
 //! Variant sets of the model and of the prims above it, and layers that select variants.
 
 use super::choose::with_ancestors;
-use super::query::{OrUnreadable, prim_at};
-use crate::error::{Error, ErrorCode};
+use super::query::{OrUnreadable, prim_at, subset_prims};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names as listed};
+use crate::usd::names;
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
 use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
 use serde::Serialize;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// A variant of a variant set.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -91,13 +92,13 @@ pub fn choices_of(prim: &Prim, set: &str) -> Result<Vec<Selection>, Error> {
     Ok(choices.into_iter().map(|choice| Selection { prim: path.to_owned(), set: set.to_owned(), choice }).collect())
 }
 
-/// The properties of `prim` below which some variant of it or of a prim above it says something, selected or not, as far as the layers
-/// with the variants say so themselves.
+/// The properties of `prim` that variants have, each with their sets: variants of the prim and of those above it, selected or not, as
+/// far as the layers with the variants say so themselves.
 ///
 /// # Errors
 /// A stage that cannot be queried.
-pub fn varied_properties(prim: &Prim) -> Result<BTreeSet<String>, Error> {
-    let mut found = BTreeSet::new();
+pub fn varied_properties(prim: &Prim) -> Result<BTreeMap<String, BTreeSet<String>>, Error> {
+    let mut found: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for path in with_ancestors(prim.path()) {
         let owner = prim_at(prim.stage(), &path)?;
         let below = prim.path().as_str().strip_prefix(path.as_str()).unwrap_or_default().trim_start_matches('/');
@@ -111,12 +112,50 @@ pub fn varied_properties(prim: &Prim) -> Result<BTreeSet<String>, Error> {
                             .try_fold(variant, |path, name| path.append_path(name))
                     });
                     let Ok(place) = place else { continue };
-                    found.extend(children_at(&owner, &site, &place, ChildrenKey::PropertyChildren));
+                    for property in children_at(&owner, &site, &place, ChildrenKey::PropertyChildren) {
+                        found.entry(property).or_default().insert(set.clone());
+                    }
                 }
             }
         }
     }
     Ok(found)
+}
+
+/// The note that products keep what other variants than the selected ones have, of each set but those that are `built` one by one.
+/// Materials follow, as products bind that of the model.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<Warnings, Error> {
+    let mut kept: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for prim in [mesh.clone()].into_iter().chain(subset_prims(mesh)?) {
+        for (property, of) in varied_properties(&prim)? {
+            let is_followed = names::is_material(&property) || property.starts_with(names::RECIPE);
+            for set in of.into_iter().filter(|_| !is_followed) {
+                kept.entry(set).or_default().insert(property.clone());
+            }
+        }
+    }
+    let is_built = |set: &Selection| built.iter().any(|built| built.set == set.set && built.prim == set.prim);
+    let open = sets.iter().filter(|set| set.choices.len() > 1 && !is_built(&set.selected));
+    let note = |VariantSet { selected: Selection { set, choice, .. }, .. }: &VariantSet| {
+        let properties = listed(&kept.get(set)?.iter().collect::<Vec<_>>());
+        let problem = format!("products keep {properties} of {set}={choice}, also where another variant is selected");
+        let remedy = format!("Build with --variants {set}, or once for each selection");
+        Some(Warning::new(Code::FrozenVariant, mesh.path(), problem).remedy(remedy))
+    };
+    Ok(open.filter_map(note).collect())
+}
+
+/// The note that a flattened output has no variants. None where the stage has none to select.
+pub fn flattened_variants(prim: &str, sets: &[VariantSet]) -> Option<Warning> {
+    let several = sets.iter().filter(|set| set.choices.len() > 1);
+    let selected: Vec<String> =
+        several.map(|VariantSet { selected, .. }| format!("{}={}", selected.set, selected.choice)).collect();
+    let problem = format!("the flattened output is of {}, and has no variants", selected.join(" and "));
+    let remedy = "Write it over the input, without --flatten, to keep them";
+    (!selected.is_empty()).then(|| Warning::new(Code::FrozenVariant, prim, problem).remedy(remedy))
 }
 
 /// Names of the variants of a set that one layer holds.

@@ -10,7 +10,7 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{Model, OrUnreadable, ProductNames, Source};
+use crate::usd::read::{Model, OrUnreadable, ProductNames, Source, flattened_variants};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -171,7 +171,12 @@ fn compose(
     }
     let stage = &garments[0].source.model;
     let (mut data, mut warnings) = match frame.flatten {
-        true => flattened(stage, &replaced, frame.anchor)?,
+        true => {
+            let (data, mut warnings) = flattened(stage, &replaced, frame.anchor)?;
+            let facts = garments[0].source.facts();
+            warnings.extend(flattened_variants(&facts.prim, &facts.variants));
+            (data, warnings)
+        }
         false => (overlay(stage, frame)?, Warnings::default()),
     };
     let mut before = 0;

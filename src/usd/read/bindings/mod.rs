@@ -118,7 +118,7 @@ fn direct(material: &Path) -> Content {
 pub fn add_of_variants(prim: &Prim, records: &mut Vec<Record>, applied: &mut Vec<Token>) -> Result<(), Error> {
     let varied = varied_properties(prim)?;
     for name in PURPOSES.map(binding_name) {
-        if records.iter().any(|record| record.name == name) || !varied.contains(&name) {
+        if records.iter().any(|record| record.name == name) || !varied.contains_key(&name) {
             continue;
         }
         let path = prim.path().append_property(name.as_str()).or_unreadable(prim.path())?;
