@@ -2,8 +2,9 @@
 
 use super::TrimMode;
 use crate::binding::{BindSurface, Binding};
-use crate::contact::NearestSearch;
+use crate::contact::{Aabb, NearestSearch};
 use crate::mesh::{Groups, VertexId};
+use crate::sim::closest_weights;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
@@ -105,9 +106,9 @@ impl TrimShape {
 
     /// The shape of parts with so many points each, one after the other: curves, or points by themselves.
     pub fn of_parts(points: Vec<Vec3>, sizes: impl IntoIterator<Item = usize>) -> Self {
-        let of: Vec<usize> =
-            sizes.into_iter().enumerate().flat_map(|(part, size)| std::iter::repeat_n(part, size)).collect();
         let count = points.len();
+        let all = sizes.into_iter().enumerate().flat_map(|(part, size)| std::iter::repeat_n(part, size));
+        let of: Vec<usize> = all.take(count).collect();
         // Points beyond the parts are a part each.
         Self::grouped(points, (0..count).map(|i| of.get(i).copied().unwrap_or(count + i)))
     }
@@ -153,8 +154,8 @@ impl TrimShape {
         distances.iter().sum::<f32>() / distances.len().max(1) as f32
     }
 
-    /// Whether each piece has a point within its own size, or within `reach`, of one of `cloth`. \[mesh units\]
-    pub fn is_near(&self, cloth: &PointCloud, reach: f32) -> bool {
+    /// Whether each piece has a point within its own size, or within `reach`, of cloth. \[mesh units\]
+    pub fn is_near(&self, cloth: &Triangles, reach: f32) -> bool {
         self.pieces.iter().all(|piece| {
             let reach = piece.size.max(reach);
             piece.points.iter().any(|&point| cloth.distance(self.points[point as usize]) <= reach)
@@ -195,23 +196,32 @@ impl TrimShape {
     }
 }
 
-/// Points to be near to.
-pub struct PointCloud {
-    points: Vec<Vec3>,
+/// Triangles to be near to.
+pub struct Triangles {
+    corners: Vec<[Vec3; 3]>,
     search: NearestSearch,
 }
 
-impl PointCloud {
-    /// Of some points.
-    pub fn new(points: Vec<Vec3>) -> Self {
-        let search = NearestSearch::of_points(&points);
-        Self { points, search }
+impl Triangles {
+    /// Of some triangles.
+    pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
+        let aabb = |triangle: &[Vec3; 3]| {
+            let points = triangle.iter().map(|&p| Aabb { low: p.into(), high: p.into() });
+            points.fold(Aabb::EMPTY, |all, point| all.merged(&point))
+        };
+        let search = NearestSearch::new(&corners.iter().map(aabb).collect::<Vec<_>>());
+        Self { corners, search }
     }
 
-    /// The distance of the nearest point, infinite without one.
+    /// The distance of the nearest triangle, infinite without one.
     fn distance(&self, from: Vec3) -> f32 {
-        let squared = |i: usize, from: DVec3| from.distance_squared(self.points[i].as_dvec3());
-        self.search.nearest(from, squared).map_or(f32::INFINITY, |i| self.points[i].distance(from))
+        let to = |i: usize, from: Vec3| {
+            let [a, b, c] = self.corners[i];
+            let weights = closest_weights(a, b, c, from);
+            (a * weights.x + b * weights.y + c * weights.z).distance(from)
+        };
+        let squared = |i: usize, from: DVec3| f64::from(to(i, from.as_vec3())).powi(2);
+        self.search.nearest(from, squared).map_or(f32::INFINITY, |i| to(i, from))
     }
 }
 
@@ -356,6 +366,6 @@ mod tests {
         let shape = TrimShape::of_parts(vec![Vec3::ZERO; 6], [2, 3]);
         let sizes: Vec<usize> = shape.pieces.iter().map(|piece| piece.points.len()).collect();
         assert_eq!(sizes, [2, 3, 1]);
-        assert_eq!(TrimShape::of_parts(vec![Vec3::ZERO; 2], [7]).pieces.len(), 1);
+        assert_eq!(TrimShape::of_parts(vec![Vec3::ZERO; 2], [usize::MAX, 3]).pieces.len(), 1);
     }
 }

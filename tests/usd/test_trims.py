@@ -356,3 +356,75 @@ def test_a_shot_of_the_skirt_moves_its_trims(usdtailor, tmp_path):
         start, end = (np.array(values.Get(stage.GetStartTimeCode() + frame), float) for frame in (0, 1))
         right = start @ np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]]).T + [5, -3, 2]
         assert np.abs(end - right).max() < 1e-3, name
+
+
+def curves_that_lie(stage):
+    curves = UsdGeom.BasisCurves.Define(stage, "/G/t")
+    curves.CreatePointsAttr([(0, 0, 0), (1, 0, 0)])
+    curves.CreateCurveVertexCountsAttr([-1, 5, 2147483647])
+
+
+def beyond(stage):
+    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 99]])
+
+
+def negative(stage):
+    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, -2]])
+
+
+def not_a_number(stage):
+    define_mesh(stage, "/G/t", np.array([[np.nan, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]])
+
+
+def flattened(stage):
+    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 2]]).AddScaleOp().Set((0, 0, 0))
+
+
+def at_times(stage):
+    points = define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 2]]).GetPointsAttr()
+    points.Clear()
+    for time in (1, 2):
+        points.Set(vec3f(time * np.eye(3)), time)
+
+
+def instance(stage):
+    define_mesh(stage, "/P/t", np.eye(3), [[0, 1, 2]])
+    prim = stage.DefinePrim("/G/t")
+    prim.GetReferences().AddInternalReference("/P")
+    prim.SetInstanceable(True)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (curves_that_lie, None),
+        (beyond, "beyond its 3"),
+        (negative, "beyond its 3"),
+        (not_a_number, "not finite"),
+        (flattened, "flattens it"),
+        (at_times, "at times alone"),
+        (instance, "it is an instance"),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_a_trim_that_cannot_be_bound_is_told_and_the_garment_is_built(usdtailor, stage_file, tmp_path, spoil, says):
+    path, out = tmp_path / "bad.usda", tmp_path / "out.usdc"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    spoil(stage)
+    stage.GetRootLayer().Save()
+    done = good(usdtailor, "build", path, "-o", out, "--prim", "/G/front", "--set", "render.level=0", "--set", "trim.x.prims=t")
+    assert says is None or ("not-carried" in done.stderr and "/G/t" in done.stderr and says in done.stderr)
+    driven(usdtailor, out, tmp_path / "shot.usdc")
+
+
+def test_any_number_of_trims_is_found(usdtailor, stage_file, tmp_path):
+    path, out = tmp_path / "many.usda", tmp_path / "out.usdc"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    for i in range(1200):
+        define_mesh(stage, f"/G/beads/b{i}", on_cloth(np.array([[i % 60 - 30, i // 60, 0.1], [i % 60 - 29.5, i // 60, 0.1], [i % 60 - 30, i // 60 + 0.5, 0.1]]), 0), [[0, 1, 2]])
+    stage.GetRootLayer().Save()
+    good(usdtailor, "build", path, "-o", out, "--all", "--set", "render.level=0")
+    stage = Usd.Stage.Open(str(out))
+    assert all(stage.GetPrimAtPath(f"/G/beads/b{i}").HasRelationship("tailor:bindTarget") for i in range(1200))

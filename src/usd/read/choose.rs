@@ -1,7 +1,7 @@
 //! Choosing the mesh to work on.
 
 use super::diagnostics::{in_words, recipe_of};
-use super::query::{OrUnreadable, is_a, is_product, prim_at, property_names, value};
+use super::query::{OrUnreadable, is_a, is_product, prim_at, property_names, value, with_ancestors};
 use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
@@ -211,8 +211,22 @@ pub fn all_prims(
     predicate: PrimPredicate,
     in_instances: bool,
 ) -> Result<Vec<sdf::Path>, Error> {
+    prims_below(stage, &sdf::Path::abs_root(), file, predicate, in_instances)
+}
+
+/// As [`all_prims`], of the prim `root` and of those below it.
+///
+/// # Errors
+/// As [`all_prims`].
+pub fn prims_below(
+    stage: &Stage,
+    root: &sdf::Path,
+    file: &Path,
+    predicate: PrimPredicate,
+    in_instances: bool,
+) -> Result<Vec<sdf::Path>, Error> {
     let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
-    let (mut found, mut open) = (Vec::new(), vec![sdf::Path::abs_root()]);
+    let (mut found, mut open) = (Vec::new(), vec![root.clone()]);
     while let Some(path) = open.pop() {
         let prim = prim_at(stage, &path)?;
         if !path.is_abs_root() {
@@ -244,11 +258,6 @@ fn check_depth(path: &sdf::Path, file: &Path) -> Result<(), Error> {
             .remedy("open a file in which the garment is nearer to the root"));
     }
     Ok(())
-}
-
-/// A path and those above it, up to the root prim.
-pub fn with_ancestors(path: &sdf::Path) -> impl Iterator<Item = sdf::Path> {
-    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
 }
 
 /// The purpose of a prim: its own, or that of the nearest prim above with one.

@@ -32,7 +32,7 @@ pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;
 pub use source::{PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{transforms, world_of};
-pub use trims::{TrimPrim, has_points, points_name, trims};
+pub use trims::{TrimPrim, has_points, points_name, trim_path, trims};
 #[cfg(feature = "preview")]
 pub use variants::select;
 pub use variants::{Selection, VariantSet, flattened_variants};

@@ -38,6 +38,11 @@ pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, Error> {
     stage.prim(path).or_unreadable(path)
 }
 
+/// A path and those above it, up to the root prim.
+pub fn with_ancestors(path: &sdf::Path) -> impl Iterator<Item = sdf::Path> {
+    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
+}
+
 /// Name of a prim.
 pub fn prim_name(prim: &Prim) -> String {
     prim.path().name().expect("every prim but the pseudo-root has a name").to_owned()

@@ -1,6 +1,6 @@
 //! The joints of a skinned mesh.
 
-use super::choose::with_ancestors;
+use super::query::with_ancestors;
 use super::query::{OrUnreadable, prim_at, value};
 use crate::error::{Error, ErrorCode};
 use crate::garment::{PrimvarInput, Values, joints::JOINT_INDICES};

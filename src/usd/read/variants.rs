@@ -1,6 +1,6 @@
 //! Variant sets of the model and of the prims above it, and layers that select variants.
 
-use super::choose::with_ancestors;
+use super::query::with_ancestors;
 use super::query::{OrUnreadable, prim_at, subset_prims};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names as listed};
 use crate::usd::names;

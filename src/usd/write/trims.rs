@@ -6,7 +6,7 @@ use crate::binding::BindSurface;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::trim::{Ride, TrimMode, TrimOptions};
-use crate::usd::read::{Model, TrimPrim, trims};
+use crate::usd::read::{Model, TrimPrim, trim_path, trims};
 use openusd::sdf::{Path, PrimSpec};
 use std::collections::BTreeMap;
 
@@ -60,15 +60,25 @@ impl<'a> TrimBindings<'a> {
             return Ok((bindings, warnings));
         }
         let stage = garments[0].source.model.origin.open()?;
+        let mut read: BTreeMap<Path, Vec<Path>> = BTreeMap::new();
         for (number, garment) in garments.iter().enumerate() {
             bindings.cloths.push(Cloth::of(garment)?);
             let all = options(garment).into_iter().flatten().filter(|(_, options)| options.mode != TrimMode::None);
             for (name, options) in all {
                 for named in &options.prims {
                     let key = format!("trim.{name}.prims");
-                    for trim in warnings.absorb(trims(&stage, &garment.source.model, &key, named)?) {
-                        let path = trim.path.clone();
-                        let asked = bindings.asked.entry(path).or_insert(Asked { trim, by: Vec::new() });
+                    let root = trim_path(&garment.source.model, &key, named)?;
+                    if !read.contains_key(&root) {
+                        let file = &garment.source.model.origin.file;
+                        let found = warnings.absorb(trims(&stage, file, &key, &root)?);
+                        read.insert(root.clone(), found.iter().map(|trim| trim.path.clone()).collect());
+                        for trim in found {
+                            let path = trim.path.clone();
+                            bindings.asked.entry(path).or_insert(Asked { trim, by: Vec::new() });
+                        }
+                    }
+                    for path in &read[&root] {
+                        let asked = bindings.asked.get_mut(path).expect("it was read with its root");
                         asked.by.push((number, name, options));
                     }
                 }
@@ -103,6 +113,10 @@ impl<'a> TrimBindings<'a> {
             };
             let size = cloth.mesh.size();
             let (binding, ride) = shape.bound(options.mode, &cloth.surface, size);
+            if !binding.coords.iter().all(|coords| coords.is_finite()) {
+                warnings.push(Warning::not_carried(path, "it is too far from the cloth to be bound"));
+                continue;
+            }
             PrimSpec::over(author.data, path)?;
             author.binding(path, &binding, &cloth.path)?;
             if ride.gap > FARTHEST * size {

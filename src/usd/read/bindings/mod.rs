@@ -9,8 +9,8 @@ pub use collection::{COLLECTION, Collection};
 #[cfg(feature = "preview")]
 pub use looks::{Look, looks};
 
-use super::choose::with_ancestors;
 use super::model::Model;
+use super::query::with_ancestors;
 use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value};
 use super::variants::varied_properties;
 use crate::error::Error;

@@ -4,9 +4,9 @@ use super::exclude::Exclusions;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::names;
 use crate::usd::read::choose::{
-    all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of, with_ancestors,
+    all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of,
 };
-use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value};
+use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value, with_ancestors};
 use crate::usd::read::source::ReadOptions;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};

@@ -2,8 +2,8 @@
 
 use crate::error::{Error, ErrorCode};
 use crate::usd::read::bindings::{COLLECTION, Collection};
-use crate::usd::read::choose::with_ancestors;
 use crate::usd::read::choose::{all_meshes, list};
+use crate::usd::read::query::with_ancestors;
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use std::path::Path as FilePath;

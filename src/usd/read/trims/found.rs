@@ -1,7 +1,7 @@
 //! Meshes that are too small or too thick to be cloth, and become trims.
 
 use crate::error::Error;
-use crate::trim::{PointCloud, Stiffness, TrimShape};
+use crate::trim::{Stiffness, Triangles, TrimShape};
 use crate::usd::names;
 use crate::usd::read::query::{prim_at, property_names};
 use crate::usd::read::source::Source;
@@ -10,6 +10,8 @@ use openusd::sdf::Path;
 use openusd::usd::Stage;
 use serde_json::{Map, Value as Json, json};
 
+/// The name of the options of the trims that are found.
+const FOUND: &str = "found";
 /// Largest distance of a trim from a garment. \[sizes of the garment\]
 const NEAR: f32 = 0.02;
 
@@ -17,6 +19,7 @@ const NEAR: f32 = 0.02;
 struct Candidate {
     /// Its points in the space of the stage.
     shape: TrimShape,
+    triangles: Vec<[Vec3; 3]>,
     size: f32,
     /// Whether it has options of its own, which make it a garment.
     is_garment: bool,
@@ -34,8 +37,7 @@ pub fn take(stage: &Stage, sources: &mut Vec<Source>) -> Result<(), Error> {
     let is_trim: Vec<bool> =
         candidates.iter().map(|c| !c.is_garment && !c.shape.pieces.is_empty() && is_stiff(c)).collect();
     let cloth = candidates.iter().zip(&is_trim).filter(|(_, is_trim)| !**is_trim);
-    let cloth: Vec<Vec3> = cloth.flat_map(|(candidate, _)| candidate.shape.points.iter().copied()).collect();
-    let cloth = PointCloud::new(cloth);
+    let cloth = Triangles::new(cloth.flat_map(|(candidate, _)| candidate.triangles.iter().copied()).collect());
     let is_near = |c: &Candidate| c.shape.is_near(&cloth, NEAR * largest);
     let mut taken: Vec<bool> = is_trim.iter().zip(&candidates).map(|(is_trim, c)| *is_trim && is_near(c)).collect();
     let trims: Vec<Path> =
@@ -43,7 +45,7 @@ pub fn take(stage: &Stage, sources: &mut Vec<Source>) -> Result<(), Error> {
     sources.retain(|_| !taken.remove(0));
     for source in sources.iter_mut() {
         if let Ok(options) = &mut source.recipe {
-            trims.iter().for_each(|trim| add(options, trim));
+            add(options, &trims);
         }
     }
     Ok(())
@@ -57,7 +59,7 @@ impl Candidate {
         let is_ours = |schema: &String| schema.starts_with("Tailor");
         let is_garment = property_names(&prim)?.iter().any(has_options) || schemas.iter().any(is_ours);
         let Ok(garment) = &source.garment else {
-            return Ok(Self { shape: TrimShape::default(), size: 0.0, is_garment });
+            return Ok(Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment });
         };
         let to_world = source.model.transforms.to_world;
         let points: Vec<Vec3> =
@@ -67,15 +69,31 @@ impl Candidate {
         let counts: Vec<usize> = garment.face_vertex_counts.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect();
         let corners: Vec<u32> = garment.face_vertex_indices.iter().map(|&v| v as u32).collect();
         let shape = if is_good { TrimShape::of_mesh(points, &counts, &corners) } else { TrimShape::default() };
-        Ok(Self { size: shape.size(), shape, is_garment })
+        let size = shape.size();
+        if !size.is_finite() {
+            return Ok(Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment });
+        }
+        Ok(Self { triangles: triangles(&shape.points, &counts, &corners), shape, size, is_garment })
     }
 }
 
-/// Adds a trim to the options of a garment, unless they have it.
-fn add(options: &mut Map<String, Json>, trim: &Path) {
-    let name = trim.as_str().trim_start_matches('/').replace('/', "_");
-    let trims = options.entry("trim").or_insert_with(|| Json::Object(Map::new()));
-    if let Json::Object(trims) = trims {
-        trims.entry(name).or_insert_with(|| json!({ "prims": [trim.as_str()] }));
+/// The triangles of faces, of those points that there are.
+fn triangles(points: &[Vec3], counts: &[usize], corners: &[u32]) -> Vec<[Vec3; 3]> {
+    let (mut found, mut rest) = (Vec::new(), corners);
+    for &count in counts {
+        let Some((face, behind)) = rest.split_at_checked(count) else { break };
+        rest = behind;
+        let at = |v: u32| points.get(v as usize).copied();
+        found.extend(face.windows(2).skip(1).filter_map(|pair| Some([at(face[0])?, at(pair[0])?, at(pair[1])?])));
+    }
+    found
+}
+
+/// Adds trims to the options of a garment, under the name [`FOUND`].
+fn add(options: &mut Map<String, Json>, trims: &[Path]) {
+    let named = options.entry("trim").or_insert_with(|| Json::Object(Map::new()));
+    if let (Json::Object(named), false) = (named, trims.is_empty()) {
+        let prims: Vec<&str> = trims.iter().map(Path::as_str).collect();
+        named.entry(FOUND).or_insert_with(|| json!({ "prims": prims }));
     }
 }

@@ -6,9 +6,9 @@ pub use found::take;
 
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::trim::{Ride, TrimOptions, TrimShape};
-use crate::usd::read::choose::{all_prims, check_instance, with_ancestors};
+use crate::usd::read::choose::{check_instance, prims_below};
 use crate::usd::read::model::Model;
-use crate::usd::read::query::{OrUnreadable, is_product, prim_at, value};
+use crate::usd::read::query::{OrUnreadable, is_product, prim_at, value, with_ancestors};
 use crate::usd::read::source::Source;
 use crate::usd::read::space::transforms;
 use crate::usd::{names, on_large_stack};
@@ -16,6 +16,7 @@ use glam::{DMat4, Vec3};
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::collections::BTreeMap;
+use std::path::Path as FilePath;
 
 /// Types of curves, which have the numbers of their points in `curveVertexCounts`.
 const CURVES: [&str; 3] = ["BasisCurves", "NurbsCurves", "HermiteCurves"];
@@ -45,29 +46,28 @@ pub fn has_points(prim: &Prim) -> Result<bool, Error> {
     Ok([names::MESH, names::POINT_INSTANCER, "Points"].contains(&kind) || CURVES.contains(&kind))
 }
 
-/// The trims that `named` means beside a model: the prim of this path or name, and those below it.
+/// The trims at and below a prim.
 ///
 /// # Errors
-/// A prim that is not there, that is the garment's own, or that holds nothing with points. `key` is the option that names it.
-pub fn trims(stage: &Stage, model: &Model, key: &str, named: &str) -> Result<(Vec<TrimPrim>, Warnings), Error> {
-    let root = trim_path(model, named);
+/// A prim that is not there, or that holds nothing with points. `key` is the option that names it.
+pub fn trims(stage: &Stage, file: &FilePath, key: &str, root: &Path) -> Result<(Vec<TrimPrim>, Warnings), Error> {
     let fault = |text: String| Error::recipe(key, text).code(ErrorCode::WrongPrim);
-    if !prim_at(stage, &root)?.is_valid().or_unreadable(&root)? {
-        let text = format!("{root} is not a prim of {}", model.origin.file.display());
+    if !prim_at(stage, root)?.is_valid().or_unreadable(root)? {
+        let text = format!("{root} is not a prim of {}", file.display());
         return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
     }
     let (mut found, mut warnings) = (Vec::new(), Warnings::default());
     let mut instancer: Option<Path> = None;
-    for path in all_prims(stage, &model.origin.file, PrimPredicate::DEFAULT, false)? {
+    for path in prims_below(stage, root, file, PrimPredicate::DEFAULT, false)? {
         // Prototypes move with their instances.
-        if !path.has_prefix(&root) || instancer.as_ref().is_some_and(|above| path.has_prefix(above)) {
+        if instancer.as_ref().is_some_and(|above| path.has_prefix(above)) {
             continue;
         }
         let prim = prim_at(stage, &path)?;
-        if model.panels.contains(&path) {
-            return Err(fault(format!("{path} is the garment itself")).remedy("name what rides on it"));
-        }
-        if WITHOUT_POINTS.contains(&type_of(&prim)?.as_str()) {
+        if prim.is_instance().or_unreadable(&path)? {
+            let problem = "it is an instance, in which no layer moves points";
+            warnings.push(Warning::not_carried(&path, problem).remedy("Set instanceable = false on it"));
+        } else if WITHOUT_POINTS.contains(&type_of(&prim)?.as_str()) {
             let problem = format!("it is a {}, which has no points that cloth could move", type_of(&prim)?);
             warnings.push(Warning::not_carried(&path, problem).remedy("Make it a mesh"));
         } else if has_points(&prim)? && !is_below_product(stage, &path)? {
@@ -102,7 +102,9 @@ impl Source {
             let stage = self.model.origin.open()?;
             for (name, options) in options {
                 for named in &options.prims {
-                    let (all, _) = trims(&stage, &self.model, &format!("trim.{name}.prims"), named)?;
+                    let key = format!("trim.{name}.prims");
+                    let root = trim_path(&self.model, &key, named)?;
+                    let (all, _) = trims(&stage, &self.model.origin.file, &key, &root)?;
                     let ride = |trim: &TrimPrim| trim.beside(&self.model).ride(options.mode, size);
                     found.extend(all.iter().map(|trim| (trim.path.to_string(), ride(trim))));
                 }
@@ -112,11 +114,20 @@ impl Source {
     }
 }
 
-/// The path of a trim that an option names: absolute, or beside the model.
-fn trim_path(model: &Model, named: &str) -> Path {
+/// The path of what an option names as trims: absolute, or beside the model.
+///
+/// # Errors
+/// The garment itself. `key` is the option.
+pub fn trim_path(model: &Model, key: &str, named: &str) -> Result<Path, Error> {
     let beside = model.path.parent().unwrap_or_else(|| model.parent.clone());
     let relative = || beside.append_path(named);
-    Path::new(named).ok().filter(Path::is_abs).or_else(|| relative().ok()).unwrap_or(beside.clone())
+    let root = Path::new(named).ok().filter(Path::is_abs).or_else(|| relative().ok()).unwrap_or(beside.clone());
+    match model.panels.iter().find(|panel| panel.has_prefix(&root)) {
+        Some(panel) => Err(Error::recipe(key, format!("{root} has {panel}, the garment itself"))
+            .code(ErrorCode::WrongPrim)
+            .remedy("name what rides on it")),
+        None => Ok(root),
+    }
 }
 
 fn is_below_product(stage: &Stage, path: &Path) -> Result<bool, Error> {
@@ -141,7 +152,12 @@ impl TrimPrim {
     }
 
     fn read(prim: &Prim) -> Result<Self, Error> {
-        let points = match value(prim, points_name(prim)?, None)? {
+        let to_world = transforms(prim, None)?.to_world;
+        if !to_world.inverse().is_finite() {
+            return Err(Error::usd(format!("{} has a transform that flattens it", prim.path()))
+                .remedy("give it scales that are not 0"));
+        }
+        let points = match value(prim, points_name(prim)?, None).map_err(|e| without_time(&e))? {
             Some(Value::Vec3fVec(points)) => bytemuck::cast_slice::<_, Vec3>(&points).to_vec(),
             _ => Vec::new(),
         };
@@ -151,8 +167,8 @@ impl TrimPrim {
         let kind = type_of(prim)?;
         let shape = if kind == names::MESH {
             let (counts, corners) = (sizes(prim, names::FACE_VERTEX_COUNTS)?, sizes(prim, names::FACE_VERTEX_INDICES)?);
-            if let Some(vertex) = corners.iter().find(|&&vertex| vertex >= points.len()) {
-                let text = format!("{}: a face names point {vertex} of {}", prim.path(), points.len());
+            if let Some(corner) = corners.iter().position(|&vertex| vertex >= points.len()) {
+                let text = format!("{}: corner {corner} names a point beyond its {}", prim.path(), points.len());
                 return Err(Error::usd(text).code(ErrorCode::IndexOutOfRange));
             }
             let corners: Vec<u32> = corners.into_iter().map(|vertex| vertex as u32).collect();
@@ -163,8 +179,18 @@ impl TrimPrim {
             let count = points.len();
             TrimShape::of_parts(points, vec![1; count])
         };
-        Ok(Self { path: prim.path().clone(), shape, to_world: transforms(prim, None)?.to_world })
+        Ok(Self { path: prim.path().clone(), shape, to_world })
     }
+}
+
+/// The error of points that cannot be read, where it is that they have no value without a time: the bind pose has none.
+fn without_time(error: &Error) -> Error {
+    if error.faults.iter().any(|fault| fault.code == ErrorCode::NoDefaultValue) {
+        return Error::usd("its points have values at times alone, and none for the bind pose")
+            .code(ErrorCode::NoDefaultValue)
+            .remedy("author the points of the bind pose without a time");
+    }
+    error.clone()
 }
 
 /// Whole numbers from 0; a negative one is beyond all.

@@ -759,6 +759,7 @@ export type WarningCode =
   | "curves-cut"
   | "area-changed"
   | "sets-blurred"
+  | "frozen-variant"
   | "trim-off-cloth"
   | "narrow-seam"
   | "shallow-seam"
