@@ -216,7 +216,8 @@ def trims(stage, points, at):
 
 def recipe(body):
     prim = body.GetPrim()
-    for schema in ("TailorSimAPI", "TailorClothAPI", "TailorTrimAPI:all", "TailorSeamAPI:waist", "TailorFoldAPI:placket"):
+    # Without TailorClothAPI, in which pins are a relationship: here a text names painted weights.
+    for schema in ("TailorSimAPI", "TailorTrimAPI:all", "TailorSeamAPI:waist", "TailorFoldAPI:placket"):
         prim.AddAppliedSchema(schema)
     for name, kind, value in (
             ("sim:maxEdgeLength", T.Float, 1.8), ("sim:minEdgeLength", T.Float, 1.8),

@@ -31,6 +31,23 @@ def test_is_what_the_command_builds(garment, usdtailor, tmp_path):
     assert layers[0] - {path.resolve()} == layers[1] - {built.resolve()} == {garment.resolve()}
 
 
+def test_trims_are_bound_in_a_payload(usdtailor, tmp_path):
+    """The trims of the example: as the command writes them, and below the prim that has the payload."""
+    shutil.copy(EXAMPLES / "trims/skirt.usda", tmp_path)
+    path = recipe(tmp_path / "skirt.tailor", "skirt.usda", prim="/Skirt/body", render={"level": 0})
+    done = run(usdtailor, "build", path, "-o", tmp_path / "built.usda")
+    assert done.returncode == 0, done.stderr
+    by_plugin, by_command = (Usd.Stage.Open(str(file)) for file in (path, tmp_path / "built.usda"))
+    unlike = differences(contents(by_plugin), contents(by_command))
+    # The plugin reads the source as it is composed: it knows no variants, and binds the material that is selected.
+    assert [line for line in unlike if "material:binding" not in line] == []
+    stage = Usd.Stage.CreateInMemory()
+    stage.DefinePrim("/Shot").GetPayloads().AddPayload(str(path))
+    for trim in ("buttons", "loops", "zip_tape", "zip_teeth"):
+        prim = stage.GetPrimAtPath(f"/Shot/{trim}")
+        assert prim.GetRelationship("tailor:bindTarget").GetTargets() == [Sdf.Path("/Shot/sim")]
+
+
 def test_is_what_the_command_builds_of_an_unusual_garment(usdtailor, tmp_path):
     """Skinning, assets, materials, subsets, creases, metadata: what a round trip through another reader could bend."""
 
