@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn instances_are_named_by_file_schemas_and_arguments() {
-        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "fold": {"hem": {"thickness": 1}}, "fabric": {"rib": {}}}"#;
+        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "fold": {"hem": {"thickness": 1}}, "fabric": {"rib": {}}, "trim": {"zip": {}}}"#;
         let found = attributes(file, "", "");
         assert_eq!(found.len(), kinds().iter().map(|group| group.options.len()).sum::<usize>());
         assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
