@@ -4,6 +4,8 @@
 //! where the directions went; the rotation is the one in the moved tangent plane that is nearest to both (the polar part of the
 //! linear map). Directions that are sums of edges need no solve in each frame.
 
+use super::fault;
+use crate::error::Error;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -22,7 +24,14 @@ pub struct BindFrames {
 
 impl BindFrames {
     /// Of a mesh at bind. Vertices without triangles never turn.
-    pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+    ///
+    /// # Errors
+    /// A triangle with a vertex that is not among the points.
+    pub fn new(points: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, Error> {
+        if let Some(triangle) = triangles.iter().find(|t| t.iter().any(|&v| v as usize >= points.len())) {
+            let count = points.len();
+            return Err(fault(format!("triangle {triangle:?} is beyond the {count} points of the simulation mesh")));
+        }
         let mut rows = vec![0u32; points.len() + 1];
         triangles.as_flattened().iter().for_each(|&v| rows[v as usize + 1] += 1);
         (0..points.len()).for_each(|v| rows[v + 1] += rows[v]);
@@ -52,7 +61,7 @@ impl BindFrames {
             frames.shares.extend(shares(&edges));
             frames.bind.push(frame);
         }
-        frames
+        Ok(frames)
     }
 
     /// Number of vertices.

@@ -27,9 +27,10 @@
 mod frames;
 
 use crate::error::{Error, ErrorCode, ErrorKind};
-use frames::BindFrames;
+pub(crate) use frames::BindFrames;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Share of the corners' tangent planes in the surface. A half gives the height of a surface of constant curvature; less lets the
 /// layers of crumpled hems cross, more stretches their edges.
@@ -66,7 +67,7 @@ struct Bound {
 
 /// Moves bound points.
 pub struct Driver {
-    frames: BindFrames,
+    frames: Arc<BindFrames>,
     bound: Vec<Bound>,
 }
 
@@ -76,16 +77,15 @@ impl Driver {
     /// # Errors
     /// Numbers of points, triangles and places that do not fit.
     pub fn new(pose: &BindPose<'_>) -> Result<Self, Error> {
-        let fault = |text: String| {
-            Error::new(ErrorKind::Mesh, "binding", text).code(ErrorCode::StaleBinding).remedy("build the garment again")
-        };
-        let (count, points) = (pose.points.len(), pose.sim_points.len());
+        Self::sharing(&Arc::new(BindFrames::new(pose.sim_points, pose.triangles)?), pose)
+    }
+
+    /// As [`Driver::new`], with the frames of the same simulation mesh at bind, which other drivers share.
+    pub(crate) fn sharing(frames: &Arc<BindFrames>, pose: &BindPose<'_>) -> Result<Self, Error> {
+        let count = pose.points.len();
         if pose.faces.len() != count || pose.coords.len() != count {
             let (faces, coords) = (pose.faces.len(), pose.coords.len());
             return Err(fault(format!("{count} points have {faces} faces and {coords} coordinates")));
-        }
-        if let Some(triangle) = pose.triangles.iter().find(|t| t.iter().any(|&v| v as usize >= points)) {
-            return Err(fault(format!("triangle {triangle:?} is beyond the {points} points of the simulation mesh")));
         }
         if let Some(face) = pose.faces.iter().find(|&&face| face as usize >= pose.triangles.len()) {
             return Err(fault(format!("face {face} is beyond the {} triangles", pose.triangles.len())));
@@ -97,10 +97,7 @@ impl Driver {
             let place: Vec3 = at.iter().zip(weights).map(|(&p, w)| w * p).sum();
             Bound { corners, weights, around: at.map(|p| place - p), offset: pose.points[i] - place }
         };
-        Ok(Self {
-            frames: BindFrames::new(pose.sim_points, pose.triangles),
-            bound: (0..count).into_par_iter().map(bound).collect(),
-        })
+        Ok(Self { frames: Arc::clone(frames), bound: (0..count).into_par_iter().map(bound).collect() })
     }
 
     /// Number of points of the simulation mesh.
@@ -110,20 +107,27 @@ impl Driver {
 
     /// The bound points, with the simulation mesh at `sim`, which has as many points as at bind.
     pub fn points(&self, sim: &[Vec3]) -> Vec<Vec3> {
-        let rotations = self.frames.rotations(sim);
-        self.bound.par_iter().map(|bound| bound.at(sim, &rotations)).collect()
+        self.points_by(sim, &self.frames.rotations(sim))
     }
 
-    /// The rotation of each bound point from bind, with the simulation mesh at `sim`.
-    pub fn rotations(&self, sim: &[Vec3]) -> Vec<Quat> {
-        let rotations = self.frames.rotations(sim);
-        self.bound.par_iter().map(|bound| bound.turn(&rotations)).collect()
+    /// As [`Driver::points`], by the rotations of the simulation mesh's vertices from bind.
+    pub(crate) fn points_by(&self, sim: &[Vec3], rotations: &[Quat]) -> Vec<Vec3> {
+        self.bound.par_iter().map(|bound| bound.at(sim, rotations)).collect()
+    }
+
+    /// The rotation of each bound point from bind, by those of the simulation mesh's vertices.
+    pub(crate) fn rotations_by(&self, rotations: &[Quat]) -> Vec<Quat> {
+        self.bound.par_iter().map(|bound| bound.turn(rotations)).collect()
     }
 
     /// Directions that turn with bound points: `directions` at bind, each with the number of its point in `of`.
     pub fn directions(&self, sim: &[Vec3], directions: &[Vec3], of: &[u32]) -> Vec<Vec3> {
-        let rotations = self.frames.rotations(sim);
-        let turned = |(direction, &point): (&Vec3, &u32)| self.bound[point as usize].turn(&rotations) * *direction;
+        self.directions_by(&self.frames.rotations(sim), directions, of)
+    }
+
+    /// As [`Driver::directions`], by the rotations of the simulation mesh's vertices from bind.
+    pub(crate) fn directions_by(&self, rotations: &[Quat], directions: &[Vec3], of: &[u32]) -> Vec<Vec3> {
+        let turned = |(direction, &point): (&Vec3, &u32)| self.bound[point as usize].turn(rotations) * *direction;
         directions.par_iter().zip(of).map(turned).collect()
     }
 }
@@ -147,6 +151,11 @@ impl Bound {
         let length = sum.length();
         if length > LEAST_BLEND { sum * (1.0 / length) } else { turns[0] }
     }
+}
+
+/// The error of a bind pose whose parts do not fit.
+fn fault(text: String) -> Error {
+    Error::new(ErrorKind::Mesh, "binding", text).code(ErrorCode::StaleBinding).remedy("build the garment again")
 }
 
 #[cfg(test)]
@@ -206,7 +215,7 @@ mod tests {
             BindPose { sim_points: &sim, triangles: &triangles, points: &points, faces: &faces, coords: &coords };
         let driver = Driver::new(&pose).expect("a good pose");
         let bent: Vec<Vec3> = sim.iter().map(|p| vec3(p.x.sin() * 2.0, p.y * 1.2, p.x.cos() * 2.0 + p.z)).collect();
-        let (moved, turns) = (driver.points(&bent), driver.rotations(&bent));
+        let (moved, turns) = (driver.points(&bent), driver.rotations_by(&driver.frames.rotations(&bent)));
         for (a, b) in (0..8).flat_map(|a| (0..8).map(move |b| (a, b))) {
             assert!((moved[a] - moved[b]).distance(turns[0] * (points[a] - points[b])) < 1e-5);
         }

@@ -3,7 +3,7 @@
 use super::DriveOptions;
 use super::conversion::StageMetrics;
 use super::space::Space;
-use crate::drive::{BindPose, Driver};
+use crate::drive::{BindFrames, BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::read::{
@@ -17,6 +17,7 @@ use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::{Path as FilePath, PathBuf};
+use std::sync::Arc;
 
 /// A mesh at bind, which a cache moves.
 pub struct MeshAtBind {
@@ -69,7 +70,9 @@ impl MeshAtBind {
 pub struct Bound {
     /// The simulation mesh.
     pub sim: MeshAtBind,
-    /// The meshes that are bound to it.
+    /// Its vertices at bind, from which they turn.
+    pub frames: Arc<BindFrames>,
+    /// The prims that are bound to it.
     pub meshes: Vec<BoundPrim>,
     /// The stage's metadata.
     pub metadata: Vec<(String, Value)>,
@@ -118,7 +121,8 @@ impl Bound {
         let sim = prim_at(&stage, &chosen[0].1)?;
         let sim_points = points_at_bind(&sim)?;
         let triangles = triangles(&sim)?;
-        let bind = Bind { sim: &sim, points: &sim_points, triangles: &triangles };
+        let frames = Arc::new(BindFrames::new(&sim_points, &triangles)?);
+        let bind = Bind { sim: &sim, points: &sim_points, triangles: &triangles, frames: &frames };
         let mut meshes = Vec::with_capacity(chosen.len());
         for (path, _) in &chosen {
             let prim = prim_at(&stage, path)?;
@@ -132,7 +136,7 @@ impl Bound {
         let metrics = StageMetrics::of(&metadata);
         let counts = std::iter::repeat_n(3, triangles.len());
         let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
-        Ok(Self { sim, meshes, metadata, layers: layer_files(&stage) })
+        Ok(Self { sim, frames, meshes, metadata, layers: layer_files(&stage) })
     }
 }
 
@@ -219,6 +223,7 @@ struct Bind<'a> {
     sim: &'a Prim,
     points: &'a [Vec3],
     triangles: &'a [[u32; 3]],
+    frames: &'a Arc<BindFrames>,
 }
 
 /// The places of points on the simulation mesh.
@@ -285,13 +290,14 @@ impl BoundPrim {
     fn read(prim: &Prim, points: &[Vec3], places: &SourcePoints, bind: &Bind) -> Result<Self, Error> {
         let space = Space::between(prim, bind.sim)?;
         let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
-        let driver = Driver::new(&BindPose {
+        let pose = BindPose {
             sim_points: bind.points,
             triangles: bind.triangles,
             points: in_sim.as_deref().unwrap_or(points),
             faces: &places.faces,
             coords: &places.coords,
-        })?;
+        };
+        let driver = Driver::sharing(bind.frames, &pose)?;
         let schemas = prim.authored_api_schemas().or_unreadable(prim.path())?;
         let is_skinned = schemas.iter().any(|schema| schema.as_str() == names::SKEL_BINDING_API);
         let mut normals = normals(prim, points.len())?;

@@ -171,26 +171,32 @@ fn extent(points: &[Vec3], reach: f32) -> Value {
 impl Bound {
     /// The meshes at a frame.
     fn moved(&self, frame: &Frame) -> Vec<DrivenPrim> {
+        let rotations = self.frames.rotations(&frame.points);
+        // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
+        let step = frame.velocities.as_deref().map(|velocities| (self.velocity_step(velocities), velocities));
+        let near = step.map(|(step, velocities)| {
+            let shifted = [-step, step].map(|by| {
+                let sim: Vec<Vec3> = frame.points.iter().zip(velocities).map(|(p, v)| *p + by * *v).collect();
+                let rotations = self.frames.rotations(&sim);
+                (sim, rotations)
+            });
+            (step, shifted)
+        });
         let velocities = |driver: &Driver| {
-            let velocities = frame.velocities.as_ref()?;
-            // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
-            let shifted = |by: f32| -> Vec<Vec3> {
-                driver.points(&frame.points.iter().zip(velocities).map(|(p, v)| *p + by * *v).collect::<Vec<_>>())
-            };
-            let step = self.velocity_step(velocities);
-            let (before, after) = (shifted(-step), shifted(step));
+            let (step, shifted) = near.as_ref()?;
+            let [before, after] = shifted.each_ref().map(|(sim, rotations)| driver.points_by(sim, rotations));
             Some(after.iter().zip(&before).map(|(a, b)| (*a - *b) / (2.0 * step)).collect())
         };
         let moved = |mesh: &bound::BoundPrim| {
-            let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions(&frame.points, &n.values, &n.points));
+            let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions_by(&rotations, &n.values, &n.points));
             let velocities = velocities(&mesh.driver);
             let orientations = mesh.orientations.as_ref().map(|at_bind| {
-                let turns = mesh.driver.rotations(&frame.points);
+                let turns = mesh.driver.rotations_by(&rotations);
                 let own = turns.into_iter().map(|turn| mesh.space.as_ref().map_or(turn, |s| s.rotation_from_sim(turn)));
                 own.zip(at_bind).map(|(turn, at_bind)| (turn * *at_bind).normalize()).collect()
             });
             let (points_name, reach) = (mesh.points_name, mesh.reach);
-            let points = mesh.driver.points(&frame.points);
+            let points = mesh.driver.points_by(&frame.points, &rotations);
             let mut moved = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
             if let Some(space) = &mesh.space {
                 moved.take_from_sim(space);
