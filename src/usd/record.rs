@@ -1,7 +1,6 @@
 //! A composed property, copied so that one layer can author it again.
 
 use super::assets::{Anchor, resolved};
-use super::names;
 use openusd::sdf::{self, AbstractData, ChildrenKey, FieldKey, Path, TimeSampleMap, Value, ValueTypeName, Variability};
 use openusd::usd::{Attribute, Prim, SpecSite, Stage, TimeCode};
 use std::collections::BTreeSet;
@@ -88,7 +87,7 @@ pub enum Content {
     Relationship {
         /// Paths of the targets.
         targets: Vec<Path>,
-        /// The relationship itself, where a variant has its targets.
+        /// The relationship of the model, where variants have its targets and products are to follow them.
         of_variant: Option<Path>,
     },
 }
@@ -113,15 +112,12 @@ impl Record {
             Some(sdf::SpecType::Relationship) => {
                 let relationship = prim.relationship(name);
                 let variability = prim.stage().field(relationship.path(), FieldKey::Variability)?;
-                let sites = relationship.property_stack()?;
-                let is_of_variant = sites.iter().any(|site| site.path.contains_prim_variant_selection());
-                let of_variant = is_of_variant.then(|| relationship.path().clone());
                 Ok(Some(Self {
                     name: name.to_owned(),
                     variability: variability.unwrap_or_default(),
                     custom: relationship.is_custom()?,
-                    metadata: metadata(prim.stage(), relationship.path(), &sites)?,
-                    content: Content::Relationship { targets: relationship.targets()?, of_variant },
+                    metadata: metadata(prim.stage(), relationship.path(), &relationship.property_stack()?)?,
+                    content: Content::Relationship { targets: relationship.targets()?, of_variant: None },
                     has_spline: false,
                 }))
             }
@@ -205,9 +201,8 @@ impl Record {
     /// # Errors
     /// A path or type that the layer does not admit.
     pub fn author_over(&self, data: &mut dyn AbstractData, owner: &Path, anchor: Anchor) -> openusd::Result<()> {
-        let is_direct = names::is_material(&self.name) && !self.name.starts_with(names::MATERIAL_BINDING_COLLECTION);
         match &self.content {
-            Content::Relationship { of_variant: Some(model), .. } if is_direct => {
+            Content::Relationship { of_variant: Some(model), .. } => {
                 let path = self.declare(data, owner)?;
                 set_paths(data, &path, FieldKey::TargetPaths, std::slice::from_ref(model));
                 Ok(())

@@ -1,6 +1,6 @@
 //! The parts of the model and its surroundings that the writer needs.
 
-use super::bindings::{add_of_variants, resolve_collections};
+use super::bindings::{follow_variants, resolve_collections};
 use super::choose::{Repeated, instancer_of, prototypes, purpose_of};
 use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
@@ -198,7 +198,7 @@ impl Model {
                 warnings.extend(model.take_property(prim, &name));
             }
         }
-        add_of_variants(prim, &mut model.carried, &mut model.applied)?;
+        follow_variants(prim, &mut model.carried, &mut model.applied)?;
         for subset in subset_prims(prim)? {
             model.subsets.insert(prim_name(&subset), subset_record(&subset)?);
         }
@@ -287,7 +287,7 @@ fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
         }
     }
     let mut applied = applied(subset, &[names::MATERIAL_BINDING_API])?;
-    add_of_variants(subset, &mut carried, &mut applied)?;
+    follow_variants(subset, &mut carried, &mut applied)?;
     Ok(SubsetRecord { metadata: fields, applied, carried })
 }
 

@@ -1,8 +1,7 @@
 //! Collections of prims (`UsdCollectionAPI`).
 
 use crate::error::{Error, ErrorCode};
-use crate::usd::read::query::with_ancestors;
-use crate::usd::read::query::{OrUnreadable, prim_at, text_value};
+use crate::usd::read::query::{OrUnreadable, prim_at, text_value, with_ancestors};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use std::collections::HashMap;

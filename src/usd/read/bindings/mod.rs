@@ -10,8 +10,7 @@ pub use collection::{COLLECTION, Collection};
 pub use looks::{Look, looks};
 
 use super::model::Model;
-use super::query::with_ancestors;
-use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value};
+use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value, with_ancestors};
 use super::variants::varied_properties;
 use crate::error::Error;
 use crate::usd::names;
@@ -111,18 +110,18 @@ fn direct(material: &Path) -> Content {
     Content::Relationship { targets: vec![material.clone()], of_variant: None }
 }
 
-/// Adds the bindings that only other variants than the selected ones have, so that products follow these too.
+/// Lets products follow the bindings that variants have, selected or not: of those that only other variants have, there are records too.
 ///
 /// # Errors
 /// A stage that cannot be queried.
-pub fn add_of_variants(prim: &Prim, records: &mut Vec<Record>, applied: &mut Vec<Token>) -> Result<(), Error> {
+pub fn follow_variants(prim: &Prim, records: &mut Vec<Record>, applied: &mut Vec<Token>) -> Result<(), Error> {
     let varied = varied_properties(prim)?;
-    for name in PURPOSES.map(binding_name) {
-        if records.iter().any(|record| record.name == name) || !varied.contains_key(&name) {
-            continue;
-        }
+    for name in PURPOSES.map(binding_name).into_iter().filter(|name| varied.contains_key(name)) {
         let path = prim.path().append_property(name.as_str()).or_unreadable(prim.path())?;
-        bind(records, applied, &name, Content::Relationship { targets: Vec::new(), of_variant: Some(path) });
+        match records.iter_mut().find(|record| record.name == name).map(|record| &mut record.content) {
+            Some(Content::Relationship { of_variant, .. }) => *of_variant = Some(path),
+            _ => bind(records, applied, &name, Content::Relationship { targets: Vec::new(), of_variant: Some(path) }),
+        }
     }
     Ok(())
 }
