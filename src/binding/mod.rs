@@ -74,32 +74,26 @@ fn vertex_normals(mesh: &Mesh) -> IdVec<VertexId, Vec3> {
 pub struct BindSurface<'a> {
     mesh: &'a Mesh,
     normals: IdVec<VertexId, Vec3>,
-    search: LazyLock<NearestSearch, Box<dyn FnOnce() -> NearestSearch + Send + 'a>>,
+    triangles: LazyLock<Triangles, Box<dyn FnOnce() -> Triangles + Send + 'a>>,
 }
 
 impl<'a> BindSurface<'a> {
     /// The surface of a mesh of triangles.
     pub fn new(mesh: &'a Mesh) -> Self {
-        let aabb = |face: FaceId| {
-            let points = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v].into());
-            points.fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }))
-        };
-        let search = move || NearestSearch::new(&mesh.faces.ids().map(aabb).collect::<Vec<_>>());
-        Self { mesh, normals: vertex_normals(mesh), search: LazyLock::new(Box::new(search)) }
+        let triangle = |face: FaceId| [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(face)[k]]);
+        let triangles = move || Triangles::new(mesh.faces.ids().map(triangle).collect());
+        Self { mesh, normals: vertex_normals(mesh), triangles: LazyLock::new(Box::new(triangles)) }
     }
 
     /// The triangle nearest to a point, and the weights of its corners at the nearest point.
     pub fn nearest(&self, point: Vec3) -> (FaceId, Vec3) {
-        let squared = |face: usize, from: DVec3| self.nearest_of(FaceId::new(face), from.as_vec3()).0;
-        let found = self.search.nearest(point, squared).map(FaceId::new);
-        found.map_or((FaceId::new(0), Vec3::X), |face| (face, self.nearest_of(face, point).1))
+        self.triangles.nearest(point).map_or((FaceId::new(0), Vec3::X), |(face, weights)| (FaceId::new(face), weights))
     }
 
     /// The distance of a point. \[mesh units\]
     #[cfg(feature = "usd")]
     pub fn distance(&self, point: Vec3) -> f32 {
-        let (face, _) = self.nearest(point);
-        self.nearest_of(face, point).0.sqrt() as f32
+        self.triangles.distance(point)
     }
 
     /// The coordinates of `point`, bound at a place of a triangle: two weights, and the height over it.
@@ -111,10 +105,42 @@ impl<'a> BindSurface<'a> {
         let height = (point - mean(&self.mesh.points)).dot(mean(&self.normals).normalize_or_zero());
         Vec3::new(weights.x, weights.y, height)
     }
+}
+
+/// Triangles among which the nearest one is found.
+pub struct Triangles {
+    corners: Vec<[Vec3; 3]>,
+    search: NearestSearch,
+}
+
+impl Triangles {
+    /// Of some corners.
+    pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
+        let aabb = |triangle: &[Vec3; 3]| {
+            let points = triangle.iter().map(|&p| Aabb { low: p.into(), high: p.into() });
+            points.fold(Aabb::EMPTY, |all, point| all.merged(&point))
+        };
+        let search = NearestSearch::new(&corners.iter().map(aabb).collect::<Vec<_>>());
+        Self { corners, search }
+    }
+
+    /// The triangle nearest to a point, and the weights of its corners at the nearest point; none without triangles.
+    fn nearest(&self, point: Vec3) -> Option<(usize, Vec3)> {
+        let squared = |triangle: usize, from: DVec3| self.nearest_of(triangle, from.as_vec3()).0;
+        let found = self.search.nearest(point, squared)?;
+        Some((found, self.nearest_of(found, point).1))
+    }
+
+    /// The distance of the nearest triangle, infinite without one. \[mesh units\]
+    #[cfg(feature = "usd")]
+    pub fn distance(&self, point: Vec3) -> f32 {
+        let found = self.nearest(point);
+        found.map_or(f32::INFINITY, |(triangle, _)| self.nearest_of(triangle, point).0.sqrt() as f32)
+    }
 
     /// The squared distance of a triangle from a point, and the weights of its corners at the nearest point.
-    fn nearest_of(&self, face: FaceId, point: Vec3) -> (f64, Vec3) {
-        let [a, b, c] = [0, 1, 2].map(|k| self.mesh.points[self.mesh.faces.vertices_of(face)[k]]);
+    fn nearest_of(&self, triangle: usize, point: Vec3) -> (f64, Vec3) {
+        let [a, b, c] = self.corners[triangle];
         let weights = closest_weights(a, b, c, point);
         let nearest = a * weights.x + b * weights.y + c * weights.z;
         (f64::from(nearest.distance_squared(point)), weights)

@@ -116,6 +116,7 @@ impl Driver {
     }
 
     /// The rotation of each bound point from bind, by those of the simulation mesh's vertices.
+    #[cfg(any(test, feature = "usd"))]
     pub(crate) fn rotations_by(&self, rotations: &[Quat]) -> Vec<Quat> {
         self.bound.par_iter().map(|bound| bound.turn(rotations)).collect()
     }

@@ -9,4 +9,4 @@ mod shape;
 
 pub use options::{TrimMode, TrimOptions};
 #[cfg(feature = "usd")]
-pub use shape::{Ride, Stiffness, Triangles, TrimShape};
+pub use shape::{Ride, Stiffness, TrimShape, faces};

@@ -1,11 +1,9 @@
 //! The shape of a trim: its pieces, how stiff they are, and their places on cloth.
 
 use super::TrimMode;
-use crate::binding::{BindSurface, Binding};
-use crate::contact::{Aabb, NearestSearch};
+use crate::binding::{BindSurface, Binding, Triangles};
 use crate::mesh::{Groups, VertexId};
-use crate::sim::closest_weights;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap};
 
@@ -94,7 +92,7 @@ impl TrimShape {
         surface.place.iter().enumerate().for_each(|(point, &first)| {
             groups.join(VertexId::new(first), VertexId::new(point));
         });
-        for pair in surface.faces().flat_map(|face| face.windows(2)) {
+        for pair in faces(counts, corners).flat_map(|face| face.windows(2)) {
             groups.join(VertexId::new(pair[0] as usize), VertexId::new(pair[1] as usize));
         }
         let of: Vec<usize> = (0..points.len()).map(|point| groups.first(VertexId::new(point)).index()).collect();
@@ -196,35 +194,6 @@ impl TrimShape {
     }
 }
 
-/// Triangles to be near to.
-pub struct Triangles {
-    corners: Vec<[Vec3; 3]>,
-    search: NearestSearch,
-}
-
-impl Triangles {
-    /// Of some triangles.
-    pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
-        let aabb = |triangle: &[Vec3; 3]| {
-            let points = triangle.iter().map(|&p| Aabb { low: p.into(), high: p.into() });
-            points.fold(Aabb::EMPTY, |all, point| all.merged(&point))
-        };
-        let search = NearestSearch::new(&corners.iter().map(aabb).collect::<Vec<_>>());
-        Self { corners, search }
-    }
-
-    /// The distance of the nearest triangle, infinite without one.
-    fn distance(&self, from: Vec3) -> f32 {
-        let to = |i: usize, from: Vec3| {
-            let [a, b, c] = self.corners[i];
-            let weights = closest_weights(a, b, c, from);
-            (a * weights.x + b * weights.y + c * weights.z).distance(from)
-        };
-        let squared = |i: usize, from: DVec3| f64::from(to(i, from.as_vec3())).powi(2);
-        self.search.nearest(from, squared).map_or(f32::INFINITY, |i| to(i, from))
-    }
-}
-
 /// How the pieces of a trim ride on cloth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ride {
@@ -236,12 +205,12 @@ pub struct Ride {
 }
 
 impl Ride {
-    /// Its pieces.
+    /// The number of pieces.
     pub fn pieces(&self) -> usize {
         self.kinds.values().sum()
     }
 
-    /// Those that move as a whole.
+    /// The number of pieces that move as a whole.
     pub fn rigid(&self) -> usize {
         self.kinds.iter().filter(|(kind, _)| kind.is_rigid(self.mode)).map(|(_, count)| count).sum()
     }
@@ -272,7 +241,17 @@ fn places(points: &[Vec3]) -> Vec<usize> {
     points.iter().enumerate().map(|(number, point)| *first_at.entry(key(point)).or_insert(number)).collect()
 }
 
-/// The faces of a mesh, which may be no good mesh.
+/// The faces with `counts` of `corners`, as far as there are corners.
+pub fn faces<'a>(counts: &'a [usize], corners: &'a [u32]) -> impl Iterator<Item = &'a [u32]> {
+    let mut rest = corners;
+    counts.iter().map_while(move |&count| {
+        let (face, behind) = rest.split_at_checked(count)?;
+        rest = behind;
+        Some(face)
+    })
+}
+
+/// The faces of a mesh, which may have faults.
 struct Surface<'a> {
     counts: &'a [usize],
     corners: &'a [u32],
@@ -280,16 +259,7 @@ struct Surface<'a> {
     place: Vec<usize>,
 }
 
-impl<'a> Surface<'a> {
-    fn faces(&self) -> impl Iterator<Item = &'a [u32]> + use<'a> {
-        let (mut rest, counts) = (self.corners, self.counts);
-        counts.iter().map_while(move |&count| {
-            let (face, behind) = rest.split_at_checked(count)?;
-            rest = behind;
-            Some(face)
-        })
-    }
-
+impl Surface<'_> {
     /// The mean thickness of each piece; 0 where an edge has other than two faces.
     fn thicknesses(&self, shape: &TrimShape) -> Vec<f32> {
         let TrimShape { points, pieces } = shape;
@@ -299,7 +269,7 @@ impl<'a> Surface<'a> {
         }
         let mut faces_at = HashMap::<[usize; 2], u32>::new();
         let (mut volumes, mut areas) = (vec![0.0; pieces.len()], vec![0.0; pieces.len()]);
-        for face in self.faces().filter(|face| !face.is_empty()) {
+        for face in faces(self.counts, self.corners).filter(|face| !face.is_empty()) {
             for k in 0..face.len() {
                 let mut edge = [face[k], face[(k + 1) % face.len()]].map(|v| self.place[v as usize]);
                 edge.sort_unstable();

@@ -62,7 +62,7 @@ pub const POINT_INSTANCER: &str = "PointInstancer";
 // Attributes of PointInstancers.
 pub const POSITIONS: &str = "positions";
 pub const ORIENTATIONS: &str = "orientations";
-/// The same in single precision, which newer versions of USD prefer.
+/// The orientations in single precision, which newer versions of USD prefer.
 pub const ORIENTATIONS_F: &str = "orientationsf";
 /// The relationship of a PointInstancer to what it repeats.
 pub const PROTOTYPES: &str = "prototypes";

@@ -428,3 +428,30 @@ def test_any_number_of_trims_is_found(usdtailor, stage_file, tmp_path):
     good(usdtailor, "build", path, "-o", out, "--all", "--set", "render.level=0")
     stage = Usd.Stage.Open(str(out))
     assert all(stage.GetPrimAtPath(f"/G/beads/b{i}").HasRelationship("tailor:bindTarget") for i in range(1200))
+
+
+@pytest.mark.parametrize("kind", ["relationship", "array", "text"])
+def test_prims_are_trims_whatever_type_names_them(usdtailor, stage_file, tmp_path, kind):
+    path, out = tmp_path / "named.usda", tmp_path / "out.usdc"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    front, name = stage.OverridePrim("/G/front"), "tailor:trim:all:prims"
+    if kind == "relationship":
+        front.CreateRelationship(name).SetTargets(["/G/trims/buttons", "/G/trims/tape"])
+    elif kind == "array":
+        front.CreateAttribute(name, Sdf.ValueTypeNames.StringArray).Set(["trims/buttons", "/G/trims/tape"])
+    else:
+        front.CreateAttribute(name, Sdf.ValueTypeNames.String).Set("trims/buttons, /G/trims/tape")
+    stage.GetRootLayer().Save()
+    done = good(usdtailor, "build", path, "-o", out, "--set", "render.level=0")
+    assert all(f"/G/trims/{trim}: " in done.stdout for trim in ("buttons", "tape"))
+
+
+def test_a_trim_of_the_users_keeps_its_name_beside_those_that_are_found(usdtailor, stage_file, tmp_path):
+    path, out = tmp_path / "found.usda", tmp_path / "out.usdc"
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
+    stage.OverridePrim("/G/front").CreateRelationship("tailor:trim:found:prims").SetTargets(["/G/trims/tape"])
+    stage.GetRootLayer().Save()
+    done = good(usdtailor, "build", path, "-o", out, "--all", "--set", "render.level=0")
+    assert all(f"/G/trims/{trim}: " in done.stdout for trim in ("buttons", "tape"))

@@ -2,12 +2,14 @@
 
 use super::diagnostics::{in_words, recipe_of};
 use super::query::{OrUnreadable, is_a, is_product, prim_at, property_names, value, with_ancestors};
+use super::recipe::trim_prims;
 use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::values::text;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
+use serde_json::Value as Json;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -166,13 +168,10 @@ pub fn named_trims(stage: &Stage, meshes: &[sdf::Path], given: &[String]) -> Res
 fn trims_of(prim: &Prim) -> Result<Vec<String>, Error> {
     let mut found = Vec::new();
     for name in property_names(prim)?.iter().filter(|name| names::is_trim_prims(name)) {
-        if prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?
-            == Some(sdf::SpecType::Relationship)
-        {
-            let targets = prim.relationship(name.as_str()).targets().or_unreadable(prim.path())?;
-            found.extend(targets.iter().map(ToString::to_string));
-        } else if let Some(value) = value(prim, name, None)? {
-            found.extend(text(&value).into_iter().flat_map(|list| list.split(',')).map(|name| name.trim().to_owned()));
+        match trim_prims(prim, name, None)? {
+            Some(Json::Array(all)) => found.extend(all.iter().filter_map(Json::as_str).map(str::to_owned)),
+            Some(Json::String(list)) => found.extend(list.split(',').map(|name| name.trim().to_owned())),
+            _ => {}
         }
     }
     Ok(found)

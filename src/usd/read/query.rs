@@ -58,6 +58,16 @@ pub fn is_product(prim: &Prim) -> Result<bool, Error> {
     Ok(product_of(prim)?.is_some())
 }
 
+/// Whether this program wrote the prim at `path`, or one above it.
+pub fn is_below_product(stage: &Stage, path: &sdf::Path) -> Result<bool, Error> {
+    for path in with_ancestors(path) {
+        if is_product(&prim_at(stage, &path)?)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
 /// The name of the model from which this program made the prim, empty where it is not recorded; none for other prims.
 pub fn product_of(prim: &Prim) -> Result<Option<String>, Error> {
     let Some(Value::Dictionary(data)) = prim.custom_data().or_unreadable(prim.path())? else { return Ok(None) };

@@ -51,19 +51,9 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
-            Some(sdf::SpecType::Relationship) if names::is_trim_prims(&name) => {
-                let paths = prim.relationship(name.as_str()).targets().or_unreadable(prim.path())?;
-                Some(paths.iter().map(|path| Json::String(path.to_string())).collect())
-            }
+            _ if names::is_trim_prims(&name) => trim_prims(prim, &name, time)?,
             Some(sdf::SpecType::Relationship) => targets(prim, mesh, &name)?,
-            _ => match value(prim, &name, time)? {
-                None => None,
-                Some(value) => Some(to_json(&value).ok_or_else(|| {
-                    Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
-                        .code(ErrorCode::RecipeAttribute)
-                        .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
-                })?),
-            },
+            _ => option_value(prim, &name, time)?,
         };
         if let Some(value) = value {
             insert(&mut recipe, key, value).ok_or_else(|| {
@@ -74,6 +64,29 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         }
     }
     Ok(recipe)
+}
+
+/// The prims of a trim: the targets of a relationship, or the value of an attribute.
+///
+/// # Errors
+/// A value of another type.
+pub fn trim_prims(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Json>, Error> {
+    let kind = prim.prim_index().property_type(name).or_unreadable(prim.path())?;
+    if kind == Some(sdf::SpecType::Relationship) {
+        let paths = prim.relationship(name).targets().or_unreadable(prim.path())?;
+        return Ok(Some(paths.iter().map(|path| Json::String(path.to_string())).collect()));
+    }
+    option_value(prim, name, time)
+}
+
+/// The value of an attribute that is an option.
+fn option_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Json>, Error> {
+    let Some(value) = value(prim, name, time)? else { return Ok(None) };
+    to_json(&value).map(Some).ok_or_else(|| {
+        Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
+            .code(ErrorCode::RecipeAttribute)
+            .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
+    })
 }
 
 /// Inserts `value` at `key` (`a:b:c`); none when the place is taken.

@@ -37,7 +37,7 @@ pub struct ShotWriter {
     paths: Vec<Path>,
     /// Time samples of the long arrays of each prim by attribute, as their places in `out`.
     arrays: Vec<BTreeMap<&'static str, Vec<(f64, Place)>>>,
-    /// Those of its other attributes.
+    /// Time samples of the short attributes of each prim.
     values: Vec<BTreeMap<&'static str, sdf::TimeSampleMap>>,
     out: Frames,
 }

@@ -6,7 +6,7 @@ use crate::usd::names;
 use crate::usd::read::choose::{
     all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of,
 };
-use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value, with_ancestors};
+use crate::usd::read::query::{OrUnreadable, is_a, is_below_product, made_from, prim_at, value};
 use crate::usd::read::source::ReadOptions;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};
@@ -110,10 +110,8 @@ fn models(stage: &Stage, file: &FilePath) -> Result<HashSet<Path>, Error> {
 
 /// Whether a mesh is a product, or below one, or is for something else than rendering.
 fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
-    for path in with_ancestors(path) {
-        if is_product(&prim_at(stage, &path)?)? {
-            return Ok(true);
-        }
+    if is_below_product(stage, path)? {
+        return Ok(true);
     }
     Ok(matches!(purpose_of(&prim_at(stage, path)?)?.as_deref(), Some("guide" | "proxy")))
 }

@@ -1,7 +1,8 @@
 //! Meshes that are too small or too thick to be cloth, and become trims.
 
+use crate::binding::Triangles;
 use crate::error::Error;
-use crate::trim::{Stiffness, Triangles, TrimShape};
+use crate::trim::{Stiffness, TrimShape, faces};
 use crate::usd::names;
 use crate::usd::read::query::{prim_at, property_names};
 use crate::usd::read::source::Source;
@@ -9,6 +10,7 @@ use glam::Vec3;
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use serde_json::{Map, Value as Json, json};
+use std::iter;
 
 /// The name of the options of the trims that are found.
 const FOUND: &str = "found";
@@ -39,14 +41,12 @@ pub fn take(stage: &Stage, sources: &mut Vec<Source>) -> Result<(), Error> {
     let cloth = candidates.iter().zip(&is_trim).filter(|(_, is_trim)| !**is_trim);
     let cloth = Triangles::new(cloth.flat_map(|(candidate, _)| candidate.triangles.iter().copied()).collect());
     let is_near = |c: &Candidate| c.shape.is_near(&cloth, NEAR * largest);
-    let mut taken: Vec<bool> = is_trim.iter().zip(&candidates).map(|(is_trim, c)| *is_trim && is_near(c)).collect();
-    let trims: Vec<Path> =
-        sources.iter().zip(&taken).filter(|(_, taken)| **taken).map(|(source, _)| source.model.path.clone()).collect();
-    sources.retain(|_| !taken.remove(0));
-    for source in sources.iter_mut() {
-        if let Ok(options) = &mut source.recipe {
-            add(options, &trims);
-        }
+    let taken = is_trim.iter().zip(&candidates).map(|(is_trim, c)| *is_trim && is_near(c));
+    let (taken, cloth): (Vec<_>, Vec<_>) = sources.drain(..).zip(taken).partition(|(_, taken)| *taken);
+    sources.extend(cloth.into_iter().map(|(source, _)| source));
+    let trims: Vec<Path> = taken.into_iter().map(|(source, _)| source.model.path).collect();
+    if !trims.is_empty() {
+        sources.iter_mut().filter_map(|source| source.recipe.as_mut().ok()).for_each(|options| add(options, &trims));
     }
     Ok(())
 }
@@ -58,42 +58,39 @@ impl Candidate {
         let schemas = &source.facts.api_schemas;
         let is_ours = |schema: &String| schema.starts_with("Tailor");
         let is_garment = property_names(&prim)?.iter().any(has_options) || schemas.iter().any(is_ours);
-        let Ok(garment) = &source.garment else {
-            return Ok(Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment });
-        };
+        let none = Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment };
+        let Ok(garment) = &source.garment else { return Ok(none) };
         let to_world = source.model.transforms.to_world;
         let points: Vec<Vec3> =
             garment.points.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
         let is_whole = |n: &i32| usize::try_from(*n).is_ok_and(|n| n < points.len());
-        let is_good = points.iter().all(|p| p.is_finite()) && garment.face_vertex_indices.iter().all(is_whole);
+        if !points.iter().all(|p| p.is_finite()) || !garment.face_vertex_indices.iter().all(is_whole) {
+            return Ok(none);
+        }
         let counts: Vec<usize> = garment.face_vertex_counts.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect();
         let corners: Vec<u32> = garment.face_vertex_indices.iter().map(|&v| v as u32).collect();
-        let shape = if is_good { TrimShape::of_mesh(points, &counts, &corners) } else { TrimShape::default() };
+        let shape = TrimShape::of_mesh(points, &counts, &corners);
         let size = shape.size();
-        if !size.is_finite() {
-            return Ok(Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment });
-        }
-        Ok(Self { triangles: triangles(&shape.points, &counts, &corners), shape, size, is_garment })
+        let triangles = triangles(&shape.points, &counts, &corners);
+        Ok(if size.is_finite() { Self { triangles, shape, size, is_garment } } else { none })
     }
 }
 
-/// The triangles of faces, of those points that there are.
+/// The triangles of faces.
 fn triangles(points: &[Vec3], counts: &[usize], corners: &[u32]) -> Vec<[Vec3; 3]> {
-    let (mut found, mut rest) = (Vec::new(), corners);
-    for &count in counts {
-        let Some((face, behind)) = rest.split_at_checked(count) else { break };
-        rest = behind;
-        let at = |v: u32| points.get(v as usize).copied();
-        found.extend(face.windows(2).skip(1).filter_map(|pair| Some([at(face[0])?, at(pair[0])?, at(pair[1])?])));
-    }
-    found
+    let fan = |face: &[u32]| -> Vec<[Vec3; 3]> {
+        let at = |v: u32| points[v as usize];
+        face.windows(2).skip(1).map(|pair| [at(face[0]), at(pair[0]), at(pair[1])]).collect()
+    };
+    faces(counts, corners).flat_map(fan).collect()
 }
 
-/// Adds trims to the options of a garment, under the name [`FOUND`].
+/// Adds trims to the options of a garment, under the name [`FOUND`], or one with a number where that is taken.
 fn add(options: &mut Map<String, Json>, trims: &[Path]) {
     let named = options.entry("trim").or_insert_with(|| Json::Object(Map::new()));
-    if let (Json::Object(named), false) = (named, trims.is_empty()) {
-        let prims: Vec<&str> = trims.iter().map(Path::as_str).collect();
-        named.entry(FOUND).or_insert_with(|| json!({ "prims": prims }));
-    }
+    let Json::Object(named) = named else { return };
+    let numbered = (2..).map(|number| format!("{FOUND}_{number}"));
+    let name = iter::once(FOUND.to_owned()).chain(numbered).find(|name| !named.contains_key(name));
+    let prims: Vec<&str> = trims.iter().map(Path::as_str).collect();
+    named.extend(name.map(|name| (name, json!({ "prims": prims }))));
 }

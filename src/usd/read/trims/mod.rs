@@ -8,7 +8,7 @@ use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::trim::{Ride, TrimOptions, TrimShape};
 use crate::usd::read::choose::{check_instance, prims_below};
 use crate::usd::read::model::Model;
-use crate::usd::read::query::{OrUnreadable, is_product, prim_at, value, with_ancestors};
+use crate::usd::read::query::{OrUnreadable, is_below_product, prim_at, value};
 use crate::usd::read::source::Source;
 use crate::usd::read::space::transforms;
 use crate::usd::{names, on_large_stack};
@@ -128,15 +128,6 @@ pub fn trim_path(model: &Model, key: &str, named: &str) -> Result<Path, Error> {
             .remedy("name what rides on it")),
         None => Ok(root),
     }
-}
-
-fn is_below_product(stage: &Stage, path: &Path) -> Result<bool, Error> {
-    for path in with_ancestors(path) {
-        if is_product(&prim_at(stage, &path)?)? {
-            return Ok(true);
-        }
-    }
-    Ok(false)
 }
 
 fn type_of(prim: &Prim) -> Result<String, Error> {
