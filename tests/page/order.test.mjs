@@ -91,6 +91,20 @@ test("Alt and arrow keys move the focused card, which keeps the focus", async (t
   assertClean(preview);
 });
 
+test("a focus that goes to another card right after a move stays there", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  await preview.card("fold.neck").focus();
+  const focused = await preview.evaluate(async () => {
+    const key = new KeyboardEvent("keydown", { key: "ArrowUp", altKey: true, bubbles: true, cancelable: true });
+    document.activeElement.dispatchEvent(key);
+    document.querySelector('[data-card="seam.side"]').focus();
+    for (let frame = 0; frame < 4; frame++) await new Promise(requestAnimationFrame);
+    return document.activeElement.dataset.card;
+  });
+  assert.equal(focused, "seam.side");
+  assertClean(preview);
+});
+
 test("a card moves twice before the first move is answered", async (t) => {
   const preview = await show(t, sewnShirt(t));
   await preview.card("seam.side").focus();

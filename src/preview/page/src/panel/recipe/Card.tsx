@@ -77,8 +77,9 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
     event.preventDefault();
     const card = event.currentTarget;
     moveOperator(store, full, place + (event.key === "ArrowUp" ? -1 : 1));
-    // The element may be moved in the document, which takes its focus.
-    requestAnimationFrame(() => requestAnimationFrame(() => card.focus()));
+    // The element may be moved in the document, which takes its focus. A focus that went elsewhere meanwhile stays there.
+    const keepFocus = () => document.activeElement === document.body && card.focus();
+    requestAnimationFrame(() => requestAnimationFrame(keepFocus));
   };
   const states = [isOn ? "" : "is-off", isChosen ? "is-chosen" : "", isHovered ? "is-hovered" : "", hasFault ? "has-fault" : "", drag.class].join(
     " ",
