@@ -4,6 +4,7 @@
 //! surface without heights. [`Placement::raised`] limits the heights to the clearance, adds them, and repairs
 //! self-intersections and flipped faces. An edit of heights repeats only the last step.
 
+mod even;
 mod fit;
 mod normals;
 mod patches;
@@ -17,6 +18,7 @@ use crate::error::{Code, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
+use even::EvenNormals;
 use fit::{LimitFit, Raise, unfolded};
 use glam::Vec3;
 use normals::OuterNormals;
@@ -209,13 +211,22 @@ impl Placement {
     /// last cage are checked on the second refinement too.
     pub fn raised(&self, operator: &dyn Operator, base: &FlatPoints, is_last: bool) -> (CagePoints, Warnings) {
         let mut asked = operator.heights(self.output());
-        unfolded(&mut asked, &self.layer_edges, &base.targets);
-        let mut cage = base.fitted.clone();
-        let given = self.within_clearance(&asked, &base.targets, &mut cage.clearance, is_last);
         let controls = &self.output().controls;
+        let layer = EvenNormals {
+            targets: &base.targets,
+            edges: &self.layer_edges,
+            controls,
+            topology: &self.child.level().topology,
+            points: &base.fitted.points,
+        };
+        let mut clearance = base.fitted.clearance.clone();
+        let targets = layer.over(&self.within_clearance(&asked, &base.targets, &mut clearance, is_last));
+        unfolded(&mut asked, &self.layer_edges, &targets);
+        let mut cage = base.fitted.clone();
+        let given = self.within_clearance(&asked, &targets, &mut cage.clearance, is_last);
         let is_beside = |i: usize| matches!(controls[i].role, ControlRole::Copy { closing: LayerEnd::Beside, .. });
         let is_least = |i: usize| given[i] != asked[i] || is_beside(i);
-        let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: is_least(i) };
+        let raise = |i: usize| Raise { normal: targets[i].1, height: given[i], is_least: is_least(i) };
         let raises: Vec<Raise> = (0..given.len()).map(raise).collect();
         let raised = || self.limit_fit().raised(&raises, &base.fitted.points);
         let unraised = [&base.linear, &base.upright, &base.fitted.points];

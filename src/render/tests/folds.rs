@@ -1,6 +1,6 @@
 //! Folds: where the layers are, and which faces have none.
 
-use super::cloth::{checked, faces_in, limit, sheet, with_faces};
+use super::cloth::{checked, faces_in, limit, sheet, tube, with_faces};
 use super::crossings::crossing_parents;
 use super::operators::{EXACT, Surface, shapes, sound, vertices_of};
 use crate::error::{Code, Warning, Warnings};
@@ -135,4 +135,32 @@ fn a_layer_that_has_no_room_at_all_is_told_and_left_out() {
     assert_eq!(without_room(&warnings), 64, "{warnings:?}");
     let (plain, _) = rendered(&garment, &["render.level=1"]);
     assert_eq!((&mesh.faces, mesh.points.as_slice()), (&plain.faces, plain.points.as_slice()));
+}
+
+#[test]
+fn a_layer_goes_along_with_a_groove_that_is_narrower_than_it_is_thick() {
+    let garment = checked(tube());
+    for (width, thickness) in [("0.4", 0.3), ("0.2", 0.15), ("0.5", 0.2)] {
+        let (wide, thick) = (format!("seam.s.width={width}"), format!("fold.t.thickness={thickness}"));
+        let options = [
+            "seam.s.edges=ring",
+            &wide,
+            "seam.s.normalOffset=-0.1",
+            "fold.t.faces=all",
+            &thick,
+            "render.operators=seam.s,fold.t",
+            "render.faceSets=true",
+            "render.level=2",
+        ];
+        let (mesh, warnings) = rendered(&garment, &options);
+        assert!(warnings.is_empty(), "{width}, {thickness}: {warnings:?}");
+        let (inner, hem) = (vertices_of(&mesh, "t_inner"), vertices_of(&mesh, "t_hem"));
+        let outer: Vec<Vec3> =
+            mesh.points.enumerated().filter(|(v, _)| !inner.contains(v) && !hem.contains(v)).map(|(_, p)| *p).collect();
+        for &v in inner.difference(&hem) {
+            let p = mesh.points[v];
+            let near = outer.iter().map(|q| q.distance(p)).fold(f32::INFINITY, f32::min);
+            assert!((0.7 * thickness..1.15 * thickness).contains(&near), "{width}, {thickness}: {near} at {p}");
+        }
+    }
 }

@@ -28,7 +28,7 @@ const CROSSING: &[(&str, [[usize; 3]; 3])] =
     &[("coat.usda", [[0, 0, 2], [0, 0, 1], [0, 0, 4]]), ("male_worksuit01.usdc", [[1, 0, 1], [2, 0, 1], [2, 0, 4]])];
 
 /// Faces that look to the other side than the garment there, for seams, hems and both. As above.
-const TURNED: &[(&str, [usize; 3])] = &[("coat.usda", [4, 2, 24]), ("male_worksuit01.usdc", [2, 0, 9])];
+const TURNED: &[(&str, [usize; 3])] = &[("coat.usda", [4, 2, 24]), ("male_worksuit01.usdc", [2, 0, 12])];
 
 pub fn load() -> Vec<(String, Mesh)> {
     let mut all = Vec::new();
