@@ -14,6 +14,8 @@ mod surface;
 pub use fabric::{FABRICS, Fabric};
 pub use options::{ClothOptions, FabricOptions, RestShape};
 pub use pieces::Attachment;
+#[cfg(feature = "usd")]
+pub(crate) use pieces::{COVERED, LOOSE_AREA};
 use rest::CageStretch;
 pub use rest::{Rest, RestFigures};
 

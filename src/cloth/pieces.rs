@@ -8,13 +8,13 @@ use glam::{Vec3, Vec3A};
 use std::cell::Cell;
 
 /// Largest area of a loose piece, as a share of the piece that it lies on. Larger ones are garments of their own.
-const LOOSE_AREA: f64 = 0.25;
+pub const LOOSE_AREA: f64 = 0.25;
 /// Triangles near a point of a piece that are looked at. More are a crowd in one place.
 const MOST_BELOW: usize = 1 << 14;
 /// Largest cost of a triangle for each unit of its distance.
 const COST: f32 = 2.0;
 /// Share of a piece's seam that has to have cloth below it.
-const COVERED: f64 = 0.6;
+pub const COVERED: f64 = 0.6;
 
 /// A loose piece, attached to the cloth below it.
 #[derive(Clone, Debug, PartialEq)]

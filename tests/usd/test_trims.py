@@ -249,7 +249,8 @@ def test_all_leaves_out_what_is_too_small_or_too_thick(usdtailor, stage_file, tm
     done = good(usdtailor, "build", stage_file, "-o", out, "--all", "--set", "render.level=0")
     stage = Usd.Stage.Open(str(out))
     assert stage.GetPrimAtPath("/G/trims/buttons").GetRelationship("tailor:bindTarget").GetTargets()
-    assert stage.GetPrimAtPath("/G/trims/sim") and not stage.GetPrimAtPath("/G/trims/buttons_sim")
+    # The tape is cloth: a part of the garment that it lies on.
+    assert stage.GetPrimAtPath("/G/sim/tape") and not stage.GetPrimAtPath("/G/trims/buttons_sim")
     assert "/G/trims/buttons: 4 rigid pieces (small)" in done.stdout
     # Options of its own make it cloth.
     path = tmp_path / "cloth.usda"
@@ -259,7 +260,7 @@ def test_all_leaves_out_what_is_too_small_or_too_thick(usdtailor, stage_file, tm
     own.GetRootLayer().Save()
     good(usdtailor, "build", path, "-o", tmp_path / "two.usdc", "--all", "--set", "render.level=0")
     stage = Usd.Stage.Open(str(tmp_path / "two.usdc"))
-    assert stage.GetPrimAtPath("/G/trims/buttons_sim") and stage.GetPrimAtPath("/G/trims/tape_sim")
+    assert stage.GetPrimAtPath("/G/trims/sim") and stage.GetPrimAtPath("/G/sim/tape")
 
 
 def test_a_trim_rides_on_the_nearest_garment_or_on_the_one_that_is_named(usdtailor, stage_file, tmp_path):

@@ -99,6 +99,16 @@ pub fn edges(mesh: &Garment) -> Vec<[usize; 2]> {
     edges
 }
 
+/// The points of the border of a mesh, ascending.
+pub fn border_points(mesh: &Garment) -> Vec<usize> {
+    let all = half_edges(mesh);
+    let borders = all.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1);
+    let mut points: Vec<usize> = borders.flat_map(|border| border[0].0).collect();
+    points.sort_unstable();
+    points.dedup();
+    points
+}
+
 /// The pairs of border edges that are looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pairs {

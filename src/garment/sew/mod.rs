@@ -13,7 +13,7 @@ mod unsewn;
 #[cfg(test)]
 mod tests;
 
-pub use borders::edges;
+pub use borders::{border_points, edges};
 pub use merge::{Panel, Sewn, merge, place};
 pub use own::sew_own_borders;
 pub use unsewn::Unsewn;

@@ -2,6 +2,7 @@
 
 mod choose;
 mod exclude;
+mod laid;
 mod model;
 mod product_names;
 mod recipe;
@@ -26,7 +27,7 @@ use std::sync::Arc;
 
 impl Source {
     /// Opens all garments of a stage: those below `options.prim` if that has several meshes below it, all if `options.all`, or else
-    /// the one mesh that [`Source::open`] reads. Meshes whose borders coincide are sewn into one garment. Garments are in the
+    /// the one mesh that [`Source::open`] reads. Meshes whose borders coincide are sewn into one garment, and small ones that lie on others are a part of these. Garments are in the
     /// order of their first meshes; there is at least one.
     ///
     /// # Errors
@@ -97,8 +98,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         let warning = unsewn_borders(unsewn, &sources, tolerance);
         sources[unsewn.panels[0]].warnings.push(warning);
     }
-    let garments = seams.garments.iter();
-    garments.map(|panels| model::sewn(&stage, &mut sources, panels, &seams, time)).collect()
+    laid::garments(&stage, &mut sources, &seams, time)
 }
 
 /// Checks meshes before they are parts of others, as faults name the elements of the mesh itself.

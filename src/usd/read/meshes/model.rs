@@ -19,6 +19,7 @@ use crate::usd::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
 use openusd::usd::{Stage, TimeCode};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Names of panels in that of the garment.
@@ -26,7 +27,7 @@ const NAMED: usize = 3;
 /// Prefixes of properties of skinning.
 const SKINNING: [&str; 2] = ["skel:", "primvars:skel:"];
 
-/// The garment of the meshes number `members`: the mesh itself, or the panels sewn together.
+/// The garment of the meshes number `members`: the mesh itself, or the panels sewn together. It has its name from the first.
 ///
 /// # Errors
 /// Panels that cannot be one mesh, or whose options contradict each other.
@@ -100,7 +101,7 @@ pub fn sewn(
     facts.bindings = union(panels.iter().map(|panel| &panel.facts.bindings));
     facts.api_schemas = union(panels.iter().map(|panel| &panel.facts.api_schemas));
     facts.variants = union(panels.iter().map(|panel| &panel.facts.variants));
-    let between = seams.seams.iter().filter(|seam| members.binary_search(&seam.panels[0]).is_ok());
+    let between = seams.seams.iter().filter(|seam| members.contains(&seam.panels[0]));
     let between = between.map(|seam| PanelSeam {
         panels: seam.panels.map(|panel| sources[panel].prim().to_owned()),
         edges: seam.edges,
@@ -242,7 +243,7 @@ fn with_faces_in_words(warning: Warning) -> Warning {
 ///
 /// # Errors
 /// Subsets of one name with different materials.
-fn subset_records(panels: &[&Source]) -> Result<std::collections::BTreeMap<String, SubsetRecord>, Error> {
+fn subset_records(panels: &[&Source]) -> Result<BTreeMap<String, SubsetRecord>, Error> {
     let mut all = std::collections::BTreeMap::<String, (&Source, SubsetRecord)>::new();
     for panel in panels {
         for (name, record) in &panel.model.subsets {
@@ -325,7 +326,8 @@ fn points(panels: &[&Source], sewn: &Sewn) -> Vec<usize> {
 
 /// The pairs of points that are one, with the panels numbered as in the garment.
 fn welds(members: &[usize], seams: &Seams) -> Vec<[(usize, usize); 2]> {
-    let number = |(mesh, point): (usize, usize)| Some((members.binary_search(&mesh).ok()?, point));
+    let numbers: BTreeMap<usize, usize> = members.iter().enumerate().map(|(number, &mesh)| (mesh, number)).collect();
+    let number = |(mesh, point): (usize, usize)| Some((*numbers.get(&mesh)?, point));
     seams.welds.iter().filter_map(|[a, b]| Some([number(*a)?, number(*b)?])).collect()
 }
 

@@ -77,7 +77,7 @@ impl Candidate {
 }
 
 /// The triangles of faces.
-fn triangles(points: &[Vec3], counts: &[usize], corners: &[u32]) -> Vec<[Vec3; 3]> {
+pub fn triangles(points: &[Vec3], counts: &[usize], corners: &[u32]) -> Vec<[Vec3; 3]> {
     let fan = |face: &[u32]| -> Vec<[Vec3; 3]> {
         let at = |v: u32| points[v as usize];
         face.windows(2).skip(1).map(|pair| [at(face[0]), at(pair[0]), at(pair[1])]).collect()

@@ -2,7 +2,7 @@
 
 mod found;
 
-pub use found::take;
+pub use found::{take, triangles};
 
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::trim::{Ride, TrimOptions, TrimShape};

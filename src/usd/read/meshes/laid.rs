@@ -1,0 +1,138 @@
+//! Meshes of cloth that lie on others, such as pockets, flaps and belts, and are attached there.
+
+use super::model::sewn;
+use crate::binding::Triangles;
+use crate::cloth::{COVERED, LOOSE_AREA};
+use crate::error::{Code, Error, Warning};
+use crate::garment::sew::{Seams, border_points, edges};
+use crate::usd::read::source::Source;
+use crate::usd::read::trims::triangles;
+use glam::Vec3;
+use openusd::usd::{Stage, TimeCode};
+use std::cell::OnceCell;
+use std::collections::BTreeSet;
+
+/// Largest distance of a border from the cloth below. \[sizes of the cloth\]
+const NEAR: f32 = 0.02;
+
+/// The meshes of a garment, in the space of the stage.
+struct Layer {
+    members: Vec<usize>,
+    /// The points of its border, without those of seams between its meshes.
+    border: Vec<Vec3>,
+    corners: Vec<[Vec3; 3]>,
+    triangles: OnceCell<Triangles>,
+    area: f64,
+    /// The box of its points.
+    bounds: [Vec3; 2],
+    /// How near a border lies on it.
+    reach: f32,
+}
+
+/// The garments of a stage, the meshes of each. A garment that lies on a larger one, by the same rules as a loose piece of one mesh,
+/// becomes a part of it, so that its border is attached. It stays one of its own, with a warning, where the two cannot be one mesh
+/// without a loss.
+///
+/// # Errors
+/// Panels that cannot be one mesh.
+pub fn garments(
+    stage: &Stage,
+    sources: &mut [Source],
+    seams: &Seams,
+    time: Option<TimeCode>,
+) -> Result<Vec<Source>, Error> {
+    let layers = seams.garments.iter().map(|members| Layer::new(sources, members, seams));
+    let mut layers = layers.collect::<Result<Vec<Layer>, Error>>()?;
+    // From the smallest piece, so that a flap is on its pocket before the pocket is on the coat.
+    let mut order: Vec<usize> = (0..layers.len()).collect();
+    order.sort_by(|&a, &b| layers[a].area.total_cmp(&layers[b].area).then(a.cmp(&b)));
+    let mut together = |members: &[usize]| sewn(stage, sources, members, seams, time);
+    let own = seams.garments.iter().map(|members| together(members));
+    let mut garments = own.map(|garment| garment.map(Some)).collect::<Result<Vec<Option<Source>>, Error>>()?;
+    for piece in order {
+        let Some(on) = below(&layers, piece) else { continue };
+        let Some(small) = garments[piece].clone().filter(attaches) else { continue };
+        let Some(large) = garments[on].clone() else { continue };
+        let members = [layers[on].members.as_slice(), &layers[piece].members].concat();
+        match together(&members) {
+            Ok(joined) if joined.recipe.is_ok() && losses(&joined) == losses(&small) + losses(&large) => {
+                (garments[piece], garments[on]) = (None, Some(joined));
+                layers[on].members = members;
+                layers[piece].corners.clear();
+            }
+            result => {
+                let why = result.err().map_or_else(|| "would lose attributes".to_owned(), |fault| fault.to_string());
+                garments[piece].iter_mut().for_each(|piece| piece.warnings.push(apart(&small, &large, &why)));
+            }
+        }
+    }
+    Ok(garments.into_iter().flatten().collect())
+}
+
+/// Whether the options of a garment let it be attached.
+fn attaches(garment: &Source) -> bool {
+    let options = garment.recipe.as_ref().ok().and_then(|options| options.get("cloth"));
+    options.and_then(|cloth| cloth.get("attach")).is_none_or(|attach| attach != false)
+}
+
+/// How many attributes the products of a garment lack.
+fn losses(garment: &Source) -> usize {
+    garment.warnings.iter().filter(|warning| warning.code == Code::NotCarried).count()
+}
+
+fn apart(piece: &Source, cloth: &Source, why: &str) -> Warning {
+    let problem = format!("it lies on {} and is not attached to it, as one garment of both {why}", cloth.prim());
+    Warning::new(Code::Unattached, piece.prim(), problem)
+        .remedy("Give both the same primvars and options; or set cloth.attach to false on it")
+}
+
+/// The layer that most of the border of `piece` lies on.
+fn below(layers: &[Layer], piece: usize) -> Option<usize> {
+    let own = &layers[piece];
+    let share = |on: usize| {
+        let cloth = &layers[on];
+        let is_larger = on != piece && !cloth.corners.is_empty() && own.area <= LOOSE_AREA * cloth.area;
+        if !is_larger || own.border.is_empty() || !own.is_near(cloth) {
+            return 0.0;
+        }
+        let triangles = cloth.triangles.get_or_init(|| Triangles::new(cloth.corners.clone()));
+        let near = own.border.iter().filter(|&&point| triangles.distance(point) <= cloth.reach).count();
+        near as f64 / own.border.len() as f64
+    };
+    let shares = (0..layers.len()).map(|on| (on, share(on))).filter(|(_, share)| *share >= COVERED);
+    shares.reduce(|best, next| if next.1 > best.1 { next } else { best }).map(|(on, _)| on)
+}
+
+impl Layer {
+    /// Whether its box is within reach of that of `cloth`.
+    fn is_near(&self, cloth: &Self) -> bool {
+        let ([low, high], [cloth_low, cloth_high]) = (self.bounds, cloth.bounds);
+        (cloth_low - cloth.reach).cmple(high).all() && low.cmple(cloth_high + cloth.reach).all()
+    }
+
+    fn new(sources: &[Source], members: &[usize], seams: &Seams) -> Result<Self, Error> {
+        let welded: BTreeSet<(usize, usize)> = seams.welds.iter().flatten().copied().collect();
+        let (mut border, mut corners) = (Vec::new(), Vec::new());
+        let (mut length, mut count) = (0.0, 0);
+        for &member in members {
+            let mesh = sources[member].garment.as_ref().map_err(Clone::clone)?;
+            let to_world = sources[member].model.transforms.to_world;
+            let points: Vec<Vec3> =
+                mesh.points.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
+            let open = border_points(mesh).into_iter().filter(|&point| !welded.contains(&(member, point)));
+            border.extend(open.map(|point| points[point]));
+            let counts: Vec<usize> = mesh.face_vertex_counts.iter().map(|&n| n as usize).collect();
+            let of_faces: Vec<u32> = mesh.face_vertex_indices.iter().map(|&v| v as u32).collect();
+            corners.extend(triangles(&points, &counts, &of_faces));
+            for [a, b] in edges(mesh) {
+                length += points[a].distance(points[b]);
+                count += 1;
+            }
+        }
+        let area = corners.iter().map(|[a, b, c]| f64::from((b - a).cross(c - a).length())).sum();
+        let with = |[low, high]: [Vec3; 2], &p: &Vec3| [low.min(p), high.max(p)];
+        let bounds = corners.iter().flatten().fold([Vec3::INFINITY, Vec3::NEG_INFINITY], with);
+        let reach = (length / count.max(1) as f32).min(NEAR * (bounds[1] - bounds[0]).length());
+        Ok(Self { members: members.to_vec(), border, corners, triangles: OnceCell::new(), area, bounds, reach })
+    }
+}
