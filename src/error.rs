@@ -215,12 +215,18 @@ impl Warning {
         Self { names: sets, ..Self::new(code, place, problem) }
     }
 
-    /// The problem with the first of its elements.
+    /// The problem with the first of its elements, unless its sets are named.
     fn with_elements(&self) -> String {
-        if self.elements.is_empty() {
+        if self.elements.is_empty() || !self.names.is_empty() {
             return self.problem.clone();
         }
         format!("{} ({})", self.problem, self.elements.in_words(PRINTED))
+    }
+
+    /// Place and problem, without the remedy.
+    pub fn headline(&self) -> String {
+        let place = if self.place.is_empty() { String::new() } else { format!("{}: ", self.place) };
+        place + &self.with_elements()
     }
 
     /// Adds the elements.
@@ -244,10 +250,7 @@ impl Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.place.is_empty() {
-            write!(f, "{}: ", self.place)?;
-        }
-        f.write_str(&self.with_elements())?;
+        f.write_str(&self.headline())?;
         if self.remedy.is_empty() { Ok(()) } else { write!(f, ". {}", self.remedy) }
     }
 }

@@ -166,10 +166,11 @@ fn is_folder(build: &Build, inputs: usize) -> bool {
 
 /// Prints the warnings and the error of an input, which `label` names where it is one of several.
 fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool) {
+    let wording = build.inputs.wording();
     match outcome {
-        Outcome::Built(summary) => text::print_warnings(summary.warnings.worst_first(), build.inputs.quiet, label),
+        Outcome::Built(summary) => text::print_warnings(summary.warnings.worst_first(), wording, label),
         Outcome::Failed(error) if !is_lone => text::print_error(error, label.map(PathBuf::as_path)),
-        Outcome::Planned { warnings, .. } => text::print_warnings(warnings.worst_first(), build.inputs.quiet, label),
+        Outcome::Planned { warnings, .. } => text::print_warnings(warnings.worst_first(), wording, label),
         Outcome::Failed(_) | Outcome::Fresh => {}
     }
 }

@@ -6,6 +6,7 @@ pub mod listed;
 mod recorded;
 
 use super::process::memory;
+use super::text::Wording;
 use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Fault, Severity, Warnings};
@@ -236,7 +237,8 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         let is_strict = result.as_ref().is_err_and(|error| error.faults.iter().any(is_strict_fault));
         let warnings = found.warnings.worst_first().into_iter();
         let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);
-        text::print_warnings(warnings, inputs.quiet || args.json, several.then_some(&file));
+        let wording = if args.json { Wording::Silent } else { inputs.wording() };
+        text::print_warnings(warnings, wording, several.then_some(&file));
         if let Err(error) = &result {
             code = code.max(super::program::exit_code(error));
         }

@@ -28,6 +28,7 @@ use process::{interrupt, memory, threads};
 use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use text::Wording;
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
 #[derive(Parser)]
@@ -111,7 +112,7 @@ struct Inputs {
     /// Print only errors
     #[arg(short, long, help_heading = "Run", conflicts_with = "verbose")]
     quiet: bool,
-    /// Print more: the complete recipe, and the properties that stay on the model
+    /// Print more: what to do about warnings, the complete recipe, and the properties that stay on the model
     #[arg(short, long, help_heading = "Run")]
     verbose: bool,
 }
@@ -314,6 +315,15 @@ fn usage(place: impl std::fmt::Display, text: impl Into<String>) -> Error {
 }
 
 impl Inputs {
+    /// How much of warnings is printed.
+    fn wording(&self) -> Wording {
+        match (self.quiet, self.verbose) {
+            (true, _) => Wording::Silent,
+            (_, true) => Wording::Full,
+            _ => Wording::Short,
+        }
+    }
+
     /// The files of the command line, or else the recipe's source.
     fn files(&self) -> Result<Vec<PathBuf>, Error> {
         if !self.inputs.is_empty() {

@@ -30,16 +30,38 @@ fn painted(color: AnsiColor, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
-/// Writes warnings to standard error, prefixed with `input` if given.
-pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet: bool, input: Option<&PathBuf>) {
-    if quiet {
+/// How much of a warning is printed.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Wording {
+    /// Nothing.
+    Silent,
+    /// Place and problem on one line.
+    Short,
+    /// The remedy on a second line.
+    Full,
+}
+
+/// Writes warnings to standard error, prefixed with `input` if it is one of several.
+pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, wording: Wording, input: Option<&PathBuf>) {
+    if wording == Wording::Silent {
         return;
     }
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
+    let (mut out, mut is_cut) = (anstream::stderr(), false);
     for warning in warnings {
         let mark = painted(AnsiColor::Yellow, &format!("warning[{}]", warning.code));
         // A closed standard error is not a failure.
-        let _ = writeln!(anstream::stderr(), "{mark}: {label}{warning}");
+        let _ = writeln!(out, "{mark}: {label}{}", warning.headline());
+        if warning.remedy.is_empty() {
+            continue;
+        }
+        is_cut |= wording == Wording::Short;
+        if wording == Wording::Full {
+            let _ = writeln!(out, "  hint: {}", warning.remedy);
+        }
+    }
+    if is_cut && input.is_none() {
+        let _ = writeln!(out, "hint: -v says what to do about warnings");
     }
 }
 

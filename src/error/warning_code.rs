@@ -113,6 +113,8 @@ pub enum Code {
     MisplacedOption,
     /// A schema is applied, and the sets that it needs are not named.
     SchemaWithoutSets,
+    /// A mesh lies on another and is not attached to it.
+    Unattached,
     /// Borders of two meshes lie along each other and are not sewn.
     UnsewnBorders,
     /// Fewer threads are started than asked for.
@@ -161,7 +163,6 @@ impl Code {
             | Self::SmallShells
             | Self::UvConfetti
             | Self::UvFlips
-            | Self::NoPattern
             | Self::TrimOffCloth => Severity::Quality,
             Self::NonManifoldEdges
             | Self::BowTieVertices
@@ -172,6 +173,8 @@ impl Code {
             | Self::SetRenamed
             | Self::OperatorsLeftOut
             | Self::ThreadsCapped
+            | Self::NoPattern
+            | Self::Unattached
             | Self::FrozenVariant => Severity::Note,
         }
     }

@@ -23,7 +23,7 @@ pub use face_numbers::FaceNumbers;
 pub use input::{Garment, LeftOut, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
 pub use space::StageSpace;
-pub(crate) use subset::{CONSTRAINTS, DERIVED, free_name};
+pub(crate) use subset::{CONSTRAINTS, DERIVED, face_sets_warning, free_name};
 pub use subset::{Family, FamilyType, Subset};
 pub use units::Units;
 pub use uv_seams::UvSeams;

@@ -1,5 +1,6 @@
 //! Named sets of elements (`UsdGeomSubset`) and their families.
 
+use crate::error::{Code, Warning};
 use crate::mesh::Elements;
 
 /// Family of the borders and seams of a simulation mesh.
@@ -18,6 +19,13 @@ pub struct Subset {
     pub elements: Elements,
     /// The sharpness of its edges or points as creases or corners, if the set was built from those.
     pub sharpness: Option<f32>,
+}
+
+/// A warning of face sets, with the faces of all of them.
+pub(crate) fn face_sets_warning(code: Code, sets: &[&Subset], problem: String) -> Warning {
+    let mut faces = Elements::Faces(Vec::new());
+    sets.iter().for_each(|set| faces.merge(&set.elements));
+    Warning::of_sets(code, sets.iter().map(|set| set.name.clone()).collect(), problem).at(faces)
 }
 
 /// The rule by which the subsets of a family share elements, as `subsetFamily:<name>:familyType`.

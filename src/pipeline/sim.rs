@@ -2,7 +2,7 @@
 
 use super::progress::Clock;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, counted};
-use crate::garment::{Elements, Mesh};
+use crate::garment::{Elements, Mesh, Subset, face_sets_warning};
 use crate::mesh::{CornerId, FaceId};
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
@@ -170,8 +170,7 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
     faces.sort_unstable();
     faces.dedup();
     let problem = format!(
-        "{} smaller than {} target triangles: seams there are not followed, and UVs are approximate or of a shell \
-         beside it",
+        "{} smaller than {} target triangles: seams there are not followed, and UVs are approximate",
         counted(shells.count(), "UV shell is", "UV shells are"),
         options.smallest_shell
     );
@@ -215,8 +214,8 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
     gaps.sort_by(|a, b| b.distance.total_cmp(&a.distance).then(a.near.cmp(&b.near)));
     let farthest = gaps.first()?.distance;
     let problem = format!(
-        "{} borders, seams or constraints bend within an edge: they are up to {farthest:.2} edge lengths off",
-        gaps.len()
+        "{} within an edge: {farthest:.2} edge lengths off at most",
+        counted(gaps.len(), "border, seam or constraint bends", "borders, seams or constraints bend")
     );
     let near = Elements::Points(gaps.iter().map(|gap| gap.near).collect());
     let warning = Warning::new(Code::CurvesCut, "simulation mesh", problem).at(near).amount(farthest);
@@ -227,7 +226,7 @@ fn simulated(garment: &Mesh, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) ->
     let product = &remeshed.product;
     let (transferred, mut warnings) = transfer(garment, product, &sim.options, sim.uv_set(garment));
     let areas = subset_areas(product, &transferred, garment);
-    warnings.extend(area_changed(&areas));
+    warnings.extend(area_changed(garment, &areas, &warnings));
     warnings.extend(uvs_flipped(product));
     let TransferResult { mesh, curves, islands, .. } = transferred;
     Ok(SimResult { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
@@ -247,14 +246,17 @@ fn uvs_flipped(product: &SimProduct) -> Option<Warning> {
     Some(warning.at(near).remedy("Mend the UVs there, or lower sim.maxEdgeLength"))
 }
 
-/// The warning of face subsets that have another area than on the surface.
-fn area_changed(areas: &[SubsetArea]) -> Option<Warning> {
+/// The warning of face subsets that have another area than on the surface, and are not blurred, which says so already.
+fn area_changed(garment: &Mesh, areas: &[SubsetArea], told: &Warnings) -> Option<Warning> {
     let change = |s: &&SubsetArea| (s.area - s.source_area).abs() / s.source_area;
-    let changed: Vec<&SubsetArea> = areas.iter().filter(|s| s.source_area > 0.0 && change(s) > AREA_CHANGE).collect();
+    let is_blurred = |s: &SubsetArea| told.iter().any(|w| w.code == Code::SetsBlurred && w.names.contains(&s.name));
+    let is_changed = |s: &&SubsetArea| s.source_area > 0.0 && change(s) > AREA_CHANGE && !is_blurred(s);
+    let changed: Vec<&SubsetArea> = areas.iter().filter(is_changed).collect();
     let largest = changed.iter().map(change).reduce(f64::max)?;
-    let sets = changed.iter().map(|s| s.name.clone()).collect();
+    let is_named = |set: &&Subset| changed.iter().any(|s| s.name == set.name);
+    let sets: Vec<&Subset> = garment.subsets.iter().filter(is_named).collect();
     let problem = format!("their area on the simulation mesh differs by up to {:.0} %", 100.0 * largest);
-    let warning = Warning::of_sets(Code::AreaChanged, sets, problem);
+    let warning = face_sets_warning(Code::AreaChanged, &sets, problem);
     let remedy = "Lower sim.maxEdgeLength, or name edge sets along folds in sim.constraints";
     Some(warning.amount(largest as f32).remedy(remedy))
 }

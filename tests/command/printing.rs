@@ -19,8 +19,12 @@ fn a_build_is_told_on_one_screen() {
     ]);
     assert!(run.stdout.lines().count() <= 24, "{run}");
     assert!(run.stdout.lines().all(|l| l.chars().count() <= 120), "{run}");
-    assert!(run.stderr.lines().all(|l| l.starts_with("warning[")), "{run}");
+    let (hint, warnings) = run.stderr.lines().collect::<Vec<_>>().split_last().map(|(l, w)| (*l, w.to_vec())).unwrap();
+    assert_eq!(hint, "hint: -v says what to do about warnings");
+    assert!(warnings.iter().all(|l| l.starts_with("warning[") && l.chars().count() <= 160), "{run}");
     let more = folder.good("build in.usda -o out/coat.usda --force -v");
+    let is_hint = |l: &&str| l.starts_with("  hint: ");
+    assert_eq!(more.stderr.lines().filter(is_hint).count(), warnings.len(), "a remedy for each warning: {more}");
     more.prints(&["rounds ", "set     left: area", "recipe  {\"sim\":"]);
 }
 
@@ -94,7 +98,7 @@ fn check_says_good_or_what_is_odd() {
 fn the_report_has_counts_figures_times_and_warnings() {
     let folder = with_cloth();
     folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
-    let run = folder.good("build odd.usda -o out/coat.usda --report out/report.json");
+    let run = folder.good("build odd.usda -o out/coat.usda --report out/report.json -v");
     let report: Value = serde_json::from_slice(&folder.read("out/report.json")).expect("JSON");
     assert_eq!(report["input"], "odd.usda");
     assert_eq!(report["output"], "out/coat.usda");
@@ -114,11 +118,9 @@ fn the_report_has_counts_figures_times_and_warnings() {
     let warnings = report["warnings"].as_array().expect("warnings");
     assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");
     for warning in warnings {
-        run.says(&[&format!(
-            "warning[{}]: {}",
-            warning["code"].as_str().expect("a code"),
-            warning["message"].as_str().expect("a message")
-        )]);
+        let [code, message, remedy] = ["code", "message", "remedy"].map(|key| warning[key].as_str().expect("a text"));
+        let headline = message.strip_suffix(&format!(". {remedy}")).expect("the remedy is the end of the message");
+        run.says(&[&format!("warning[{code}]: {headline}\n  hint: {remedy}\n")]);
     }
     folder.good("build in.usda odd.usda -o out --report out/both.json");
     let both: Value = serde_json::from_slice(&folder.read("out/both.json")).expect("JSON");

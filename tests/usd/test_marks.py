@@ -1,5 +1,7 @@
 """`--mark`: what warnings name as sets of the render mesh."""
 
+import json
+
 import numpy
 import pytest
 from conftest import run
@@ -63,3 +65,28 @@ def test_a_set_of_the_name_of_a_mark_is_kept(usdtailor, flawed, tmp_path):
     _, sets = render(out)
     assert sets["mark_degenerate_faces"] == ("face", list(range(16)))
     assert FLAT in {face // 16 for face in sets["mark_degenerate_faces_2"][1]}
+
+
+def test_warnings_of_sets_name_their_faces_or_edges(usdtailor, tmp_path):
+    """Narrow face sets, and two lines of edges that a coarse simulation mesh cannot keep apart."""
+    path, out, report = (tmp_path / name for name in ("narrow.usda", "out.usda", "out.json"))
+    write(path, shape=lambda: sheet(24, 24))
+    stage = Usd.Stage.Open(str(path))
+    model = UsdGeom.Mesh(next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)))
+    stripe = [24 * row + 11 for row in range(24)]
+    UsdGeom.Subset.CreateGeomSubset(model, "stripe", "face", stripe)
+    lines = [[25 * row + column, 25 * (row + 1) + column] for column in (11, 12) for row in range(4, 20)]
+    UsdGeom.Subset.CreateGeomSubset(model, "lines", "edge", [end for edge in lines for end in edge])
+    stage.Save()
+    width = float(numpy.ptp(numpy.array(model.GetPointsAttr().Get())[:, 0]))
+    done = run(usdtailor, "build", path, "-o", out, "--mark", "--report", report, "--set", f"sim.maxEdgeLength={width / 8}")
+    assert done.returncode == 0, done.stderr
+    told = {warning["code"]: warning for warning in json.loads(report.read_text())["warnings"]}
+    assert told["sets-blurred"]["elements"] == {"faces": stripe}
+    merged = told["not-carried"]
+    assert "subset lines" in merged["place"] and "meet others of the set" in merged["problem"]
+    of_lines = {frozenset(edge) for edge in lines}
+    assert {frozenset(edge) for edge in merged["elements"]["edges"]} <= of_lines
+    sets = render(out)[1]
+    assert sets["mark_sets_blurred"] == sets["stripe"]
+    assert sets["mark_not_carried"][0] == "edge" and len(sets["mark_not_carried"][1]) > 0

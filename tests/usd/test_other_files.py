@@ -182,7 +182,7 @@ def test_joints_beyond_the_skeleton_are_faults(usdtailor, tmp_path, joint):
 
 def test_a_count_that_is_a_multiple_names_the_element_size(usdtailor, tmp_path):
     change = lambda mesh: add_primvar(mesh, name="w", type_name="float", interpolation="vertex", values=[0.25] * 80)
-    done = run(usdtailor, "check", faulty(change)(tmp_path / "a.usda"))
+    done = run(usdtailor, "check", "-v", faulty(change)(tmp_path / "a.usda"))
     assert done.returncode == 0 and "elementSize to 4, as 80 are 4 x 20" in done.stderr
 
 

@@ -193,7 +193,7 @@ def test_a_pattern_that_matches_nothing_is_refused(usdtailor, suit, tmp_path):
 
 def test_borders_that_are_split_otherwise_are_not_sewn(usdtailor, suit, tmp_path):
     out, report = tmp_path / "out.usda", tmp_path / "report.json"
-    words = built(usdtailor, suit(rows=HEIGHT * 2 - 5), out, "--all", "--set", "sim.maxEdgeLength=1", "--report", report)
+    words = built(usdtailor, suit(rows=HEIGHT * 2 - 5), out, "--all", "--set", "sim.maxEdgeLength=1", "--report", report, "-v")
     assert "warning[unsewn-borders]: /Suit/front, /Suit/back" in words and "--sew-tolerance" in words
     # The shoulders have the same points on both panels, the sides have not.
     done = run(usdtailor, "info", "--all", tmp_path / "suit.usda")

@@ -276,7 +276,7 @@ def test_products_follow_the_materials_of_other_sets(usdtailor, sized, tmp_path,
 
 def test_what_products_keep_of_a_variant_is_told(usdtailor, sized, tmp_path):
     out = tmp_path / "out.usda"
-    base = ("build", sized, "--set", "render.level=0", "-o")
+    base = ("build", sized, "-v", "--set", "render.level=0", "-o")
     said = run(usdtailor, *base, out).stderr
     assert "frozen-variant" in said and "`points` of size=M" in said and "--variants size" in said
     assert "frozen-variant" not in run(usdtailor, *base, tmp_path / "sizes.usda", "--variants", "size").stderr

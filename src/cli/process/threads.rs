@@ -1,5 +1,6 @@
 //! The number of threads.
 
+use crate::cli::text::Wording;
 use crate::cli::{text, usage};
 use crate::error::{Code, Error, Warning};
 use std::thread::available_parallelism;
@@ -21,7 +22,8 @@ pub fn capped(wanted: Option<usize>, quiet: bool) -> Result<Option<usize>, Error
     if wanted > most {
         let problem = format!("{most} threads are started, {PER_CORE} for each of {cores} cores");
         let warning = Warning::new(Code::ThreadsCapped, format!("--threads {wanted}"), problem);
-        text::print_warnings([&warning.remedy(format!("Give at most {most}"))], quiet, None);
+        let wording = if quiet { Wording::Silent } else { Wording::Full };
+        text::print_warnings([&warning.remedy(format!("Give at most {most}"))], wording, None);
     }
     Ok(Some(wanted.min(most)))
 }

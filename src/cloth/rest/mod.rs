@@ -66,7 +66,7 @@ pub struct RestFigures {
 }
 
 /// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The
-/// warning names shells that are not patterns.
+/// warning names shells that are not patterns, beside others that are.
 ///
 /// # Errors
 /// `panels` without UVs, or with shells that are not patterns.
@@ -97,6 +97,10 @@ pub fn rest(
             .code(ErrorCode::UnusablePanels)
             .remedy("use auto, or mend the UVs"));
     }
+    // UVs of which no shell is a pattern are a layout for textures, and say nothing of the cloth.
+    if others.len() == shells.stretch.len() {
+        return Ok((None, None));
+    }
     let warning = (!others.is_empty()).then(|| {
         let problem = format!("{}; they rest as modelled", shells.fault(&others));
         let faces = others.iter().map(|&shell| shells.first_source[shell]).collect();
@@ -104,9 +108,6 @@ pub fn rest(
             .at(Elements::Faces(faces))
             .remedy("Lay the UVs out to scale, as a sewing pattern, or set cloth.rest to mesh")
     });
-    if others.len() == shells.stretch.len() {
-        return Ok((None, warning));
-    }
     Ok((Some(shells.at_rest(&free)), warning))
 }
 

@@ -8,8 +8,8 @@ mod shells;
 mod sources;
 
 use super::correspondence::Correspondence;
-use crate::error::{Code, Warning};
-use crate::garment::{Interpolation, Mesh, Primvar, Values};
+use crate::error::{Code, Warning, counted};
+use crate::garment::{Elements, Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Real, gathered};
 use cuts::ChannelCuts;
@@ -36,15 +36,19 @@ pub(super) fn carry(
         _ => {
             let source = |i| map.product.baseline.source_corner(map.triangle_under(FaceId::new(i))).index();
             let sources: Vec<usize> = (0..map.product.triangles.len()).into_par_iter().map(source).collect();
-            (gathered(primvar, sources.iter().flat_map(|&c| [c; 3])), 0)
+            (gathered(primvar, sources.iter().flat_map(|&c| [c; 3])), Vec::new())
         }
     };
-    (as_vertex(carried, &map.mesh.topology), (cut_off > 0).then(|| cut_off_warning(cut_off, primvar)))
+    let warning = (!cut_off.is_empty()).then(|| cut_off_warning(&cut_off, primvar, map));
+    (as_vertex(carried, &map.mesh.topology), warning)
 }
 
-fn cut_off_warning(count: usize, primvar: &Primvar) -> Warning {
-    let problem = format!("{count} triangles are cut off from their UV shells, within which they would be flipped");
+fn cut_off_warning(triangles: &[FaceId], primvar: &Primvar, map: &Correspondence<'_>) -> Warning {
+    let triangle_words = counted(triangles.len(), "triangle is", "triangles are");
+    let problem = format!("{triangle_words} cut off from their UV shells, within which they would be flipped");
+    let faces = triangles.iter().map(|&triangle| map.product.baseline.source_face[map.triangle_under(triangle)]);
     Warning::new(Code::NotCarried, format!("primvars:{}", primvar.name), problem)
+        .at(Elements::Faces(faces.collect()))
         .remedy("Add edge sets along the cuts of the layout to sim.constraints, or lower sim.maxEdgeLength")
 }
 
@@ -55,18 +59,18 @@ fn constraint_uvs(primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
     indexed(primvar, &Values::F32(uvs), rows)
 }
 
-/// A primvar whose values `source` are mixed, and the number of triangles that are cut off from their shells.
+/// A primvar whose values `source` are mixed, and the triangles that are cut off from their shells.
 fn carry_mixed<T: Real>(
     garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
     source: &[T],
     wrap: impl Fn(Vec<T>) -> Values,
-) -> (Primvar, usize) {
+) -> (Primvar, Vec<FaceId>) {
     let field = FaceVaryingField::new(garment, primvar, &map.product.baseline, source);
     let (values, cut_off) = match field.barrier() {
         Some(barrier) => ShellValues::new(&field, &ChannelCuts::new(map, barrier)).resolved(),
-        None => (field.at_locations(map.product.places.len(), |c| map.product.places[c].location), 0),
+        None => (field.at_locations(map.product.places.len(), |c| map.product.places[c].location), Vec::new()),
     };
     let rows = shared_rows(map, false, |a, b| field.same(&values, a, b));
     (indexed(primvar, &wrap(values), rows), cut_off)

@@ -29,17 +29,17 @@ impl<'a, T: Real> ShellValues<'a, T> {
         Self { field, cuts, seeds, sources, values }
     }
 
-    /// The value of each corner, and the number of triangles that are cut off from their shells, within which they would
+    /// The value of each corner, and the triangles that are cut off from their shells, within which they would
     /// be flipped.
-    pub fn resolved(mut self) -> (Vec<T>, usize) {
+    pub fn resolved(mut self) -> (Vec<T>, Vec<FaceId>) {
         self.join_islands();
         if !self.field.is_layout() {
-            return (self.values, 0);
+            return (self.values, Vec::new());
         }
         self.extrapolate_flipped();
         let flipped = self.flipped();
         flipped.iter().for_each(|&face| self.cut_off(face));
-        (self.values, flipped.len())
+        (self.values, flipped)
     }
 
     /// Gives small isolated parts of a shell to the shells around them.

@@ -1,7 +1,7 @@
 //! Guides: unbranched paths of an edge set that are not constraints, and their curves on the baseline.
 
 use super::polyline::Polyline;
-use crate::mesh::VertexId;
+use crate::mesh::{IdVec, VertexId};
 use crate::sim::Baseline;
 use crate::subdivide::Numbering;
 use crate::transfer::topology::edge_key;
@@ -30,9 +30,9 @@ impl Guide {
         [self.cage[0], self.cage[self.cage.len() - 1]]
     }
 
-    /// Number of cage edges.
-    pub fn cage_edges(&self) -> usize {
-        self.cage.len() - 1
+    /// Its edges on the garment, whose point of each cage vertex is in `sources`.
+    pub fn edges(&self, sources: &IdVec<VertexId, VertexId>) -> impl Iterator<Item = [VertexId; 2]> {
+        self.cage.windows(2).map(|pair| [sources[pair[0]], sources[pair[1]]])
     }
 }
 

@@ -16,7 +16,7 @@ use corridor::CorridorScratch;
 use glam::Vec3;
 use guide::{Guide, guides, refined_path};
 use path::EdgePath;
-use paths::{PathSearch, count_meeting};
+use paths::{PathSearch, meeting};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::{BTreeMap, BTreeSet};
@@ -36,10 +36,10 @@ pub(super) struct EdgeTransfer<'a> {
 pub(super) struct CarriedEdges {
     /// Its edges; those of a chain in the chain's order.
     pub edges: Vec<[VertexId; 2]>,
-    /// Number of source edges without a counterpart.
-    pub lost: usize,
-    /// Number of paths that meet others because the mesh has too few vertices.
-    pub merged: usize,
+    /// The garment's edges without a counterpart.
+    pub lost: Vec<[VertexId; 2]>,
+    /// The garment's edges of each path that meets others because the mesh has too few vertices.
+    pub merged: Vec<Vec<[VertexId; 2]>>,
     /// Length of the source's curves on the baseline. \[mesh units\]
     pub source_length: f64,
     /// Largest distance of a vertex from its curve, in local target lengths.
@@ -116,11 +116,13 @@ impl<'a> EdgeTransfer<'a> {
         {
             carried.visited = scratch.visited - before;
         }
+        let sources = &self.locator.product.baseline.manifold.vertex_source;
         let is_lost = |pair: &(&Guide, &Option<EdgePath>)| pair.1.is_none();
-        carried.lost += guides.iter().zip(&found).filter(is_lost).map(|(guide, _)| guide.cage_edges()).sum::<usize>();
+        let lost = guides.iter().zip(&found).filter(is_lost).flat_map(|(guide, _)| guide.edges(sources));
+        carried.lost.extend(lost);
         let paths: Vec<(&Guide, &EdgePath)> =
             guides.iter().zip(&found).filter_map(|(guide, path)| Some((guide, path.as_ref()?))).collect();
-        carried.merged = count_meeting(&paths, ends, &carried.edges);
+        carried.merged = meeting(&paths, ends, &carried.edges).map(|guide| guide.edges(sources).collect()).collect();
         paths.into_iter().for_each(|(_, path)| carried.add_path(path));
     }
 
@@ -148,7 +150,9 @@ impl<'a> EdgeTransfer<'a> {
                 carried.source_length += length(path.windows(2).map(|p| [p[0], p[1]]), &baseline.points);
                 is_there = true;
             }
-            carried.lost += usize::from(!is_there);
+            if !is_there {
+                carried.lost.push(edge);
+            }
         }
         (on_chains, free)
     }

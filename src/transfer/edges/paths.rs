@@ -58,12 +58,12 @@ impl<'a> PathSearch<'a> {
     }
 }
 
-/// The number of paths that have a vertex or an edge in common with others or with `on_chains`, except where guides end.
-pub(super) fn count_meeting(
-    paths: &[(&Guide, &EdgePath)],
+/// The guides whose paths have a vertex or an edge in common with others or with `on_chains`, except where guides end.
+pub(super) fn meeting<'a>(
+    paths: &[(&'a Guide, &EdgePath)],
     ends: &BTreeMap<VertexId, VertexId>,
     on_chains: &[[VertexId; 2]],
-) -> usize {
+) -> impl Iterator<Item = &'a Guide> {
     let mut users: FxHashMap<VertexId, usize> = FxHashMap::default();
     let mut edges: FxHashMap<[VertexId; 2], usize> = on_chains.iter().map(|&edge| (edge_key(edge), 1)).collect();
     for &end in ends.values() {
@@ -76,9 +76,9 @@ pub(super) fn count_meeting(
         path.inner(guide.is_loop).iter().for_each(|&v| *users.entry(v).or_default() += 1);
         path.vertices.windows(2).for_each(|pair| *edges.entry(edge_key([pair[0], pair[1]])).or_default() += 1);
     }
-    let is_alone = |path: &EdgePath| {
+    let is_alone = move |path: &EdgePath| {
         path.vertices.iter().all(|v| users[v] == 1)
             && path.vertices.windows(2).all(|pair| edges[&edge_key([pair[0], pair[1]])] == 1)
     };
-    paths.iter().filter(|(_, path)| !is_alone(path)).count()
+    paths.iter().filter(move |(_, path)| !is_alone(path)).map(|&(guide, _)| guide)
 }

@@ -1,7 +1,7 @@
 //! Warnings of subsets that the simulation mesh cannot hold.
 
-use crate::error::{Code, Warning};
-use crate::garment::{Elements, Mesh, Subset};
+use crate::error::{Code, Warning, counted};
+use crate::garment::{Elements, Mesh, Subset, face_sets_warning};
 use crate::mesh::FaceId;
 use crate::transfer::coverage::Coverage;
 use crate::transfer::edges::CarriedEdges;
@@ -10,38 +10,43 @@ use crate::transfer::edges::CarriedEdges;
 const AGREEMENT: f64 = 0.97;
 
 /// A warning of face sets that are too small for the triangles to follow.
-pub(super) fn of_small_sets(garment: &Mesh, sets: &[Vec<FaceId>], coverage: &Coverage) -> Option<Warning> {
-    let agreement = |(subset, set): (&Subset, &Vec<FaceId>)| match &subset.elements {
+pub(super) fn of_small_sets<'a>(garment: &'a Mesh, sets: &[Vec<FaceId>], coverage: &Coverage) -> Option<Warning> {
+    let agreement = |(subset, set): (&'a Subset, &Vec<FaceId>)| match &subset.elements {
         // Empty sets have a warning of their own.
-        Elements::Faces(source) if !set.is_empty() => Some((subset.name.clone(), coverage.agreement(source, set))),
+        Elements::Faces(source) if !set.is_empty() => Some((subset, coverage.agreement(source, set))),
         _ => None,
     };
     let found = garment.subsets.iter().zip(sets).filter_map(agreement);
-    let (sets, agreements): (Vec<String>, Vec<f64>) = found.filter(|(_, own)| *own < AGREEMENT).unzip();
+    let (sets, agreements): (Vec<&Subset>, Vec<f64>) = found.filter(|(_, own)| *own < AGREEMENT).unzip();
     let least = agreements.iter().copied().reduce(f64::min)?;
     let problem = format!("they are about one triangle wide: only {:.0} % of their area is kept", 100.0 * least);
-    let warning = Warning::of_sets(Code::SetsBlurred, sets, problem);
+    let warning = face_sets_warning(Code::SetsBlurred, &sets, problem);
     Some(warning.amount(least as f32).remedy("Add their borders to sim.constraints, or lower sim.maxEdgeLength"))
 }
 
 /// A warning of a face set that is empty on the simulation mesh.
 pub(super) fn of_lost_set(source: &Subset) -> Warning {
     let problem = "no face is in it on the simulation mesh: it covers most of no triangle";
-    of_subset(source, problem.into()).remedy("Lower sim.maxEdgeLength, or name its border in sim.constraints")
+    let warning = of_subset(source, problem.into()).at(source.elements.clone());
+    warning.remedy("Lower sim.maxEdgeLength, or name its border in sim.constraints")
 }
 
 /// Warnings of lost edges and merged chains of an edge set.
 pub(super) fn of_edges(source: &Subset, carried: &CarriedEdges) -> Vec<Warning> {
     let CarriedEdges { lost, merged, .. } = carried;
     let remedy = "Name the set in sim.constraints, or lower sim.maxEdgeLength";
-    let lost = (*lost > 0).then(|| {
-        let all = source.elements.len();
-        format!("{lost} of {all} edges are lost: they lie between holes, or no edges of the simulation mesh are near")
-    });
-    let merged = (*merged > 0).then(|| {
-        format!("{merged} chains meet others of the set: the simulation mesh has too few vertices to keep them apart")
-    });
-    lost.into_iter().chain(merged).map(|problem| of_subset(source, problem).remedy(remedy)).collect()
+    let lost_text = format!(
+        "{} of {} edges are lost: they lie between holes, or no edges of the simulation mesh are near",
+        lost.len(),
+        source.elements.len()
+    );
+    let merged_text = format!(
+        "{} meet others of the set: the simulation mesh has too few vertices to keep them apart",
+        counted(merged.len(), "chain", "chains")
+    );
+    let told = [(lost_text, lost.clone()), (merged_text, merged.concat())];
+    let warnings = told.into_iter().filter(|(_, edges)| !edges.is_empty());
+    warnings.map(|(text, edges)| of_subset(source, text).at(Elements::Edges(edges)).remedy(remedy)).collect()
 }
 
 fn of_subset(source: &Subset, problem: String) -> Warning {

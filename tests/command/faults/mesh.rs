@@ -208,7 +208,7 @@ fn of_primvars_that_no_step_needs() {
     for (old, new, says) in rows {
         let folder = Folder::new();
         folder.file("in.usda", cloth_with(old, new));
-        let run = folder.good(ARGS);
+        let run = folder.good(&format!("{ARGS} -v"));
         run.says(&["warning[not-carried]"]);
         run.says(says);
     }

@@ -786,5 +786,6 @@ export type WarningCode =
   | "ignored-option"
   | "misplaced-option"
   | "schema-without-sets"
+  | "unattached"
   | "unsewn-borders"
   | "threads-capped";
