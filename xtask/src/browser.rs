@@ -34,7 +34,7 @@ const LONG: [&str; 8] = [
 /// Runs the tests.
 pub fn test(run: &Run<'_>) -> Outcome {
     let mut command = node_with_browser(run.project, Profile::Tested)?;
-    command.args(["--test", "--test-concurrency=1", "--test-timeout=180000"]).args(run.extra);
+    command.args(["--test", "--test-concurrency=1", "--test-timeout=300000"]).args(run.extra);
     // Files that are named after -- replace these.
     if !run.extra.iter().any(|word| word.ends_with(".mjs")) {
         command.args(files(run.project, run.all)?);

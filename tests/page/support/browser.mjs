@@ -52,7 +52,8 @@ export async function open(owner, server, { ready = true, isNew = false, init = 
   if (!isNew) await context.addInitScript(chooseColumns);
   if (init) await context.addInitScript(init);
   const page = await context.newPage();
-  page.setDefaultTimeout(10_000);
+  page.setDefaultTimeout(20_000);
+  page.setDefaultNavigationTimeout(40_000);
   const preview = new Preview(page, server);
   await page.goto(server.address);
   if (ready) await preview.isDrawn();
