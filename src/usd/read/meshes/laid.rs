@@ -54,19 +54,29 @@ pub fn garments(
         let Some(small) = garments[piece].clone().filter(attaches) else { continue };
         let Some(large) = garments[on].clone() else { continue };
         let members = [layers[on].members.as_slice(), &layers[piece].members].concat();
-        match together(&members) {
-            Ok(joined) if joined.recipe.is_ok() && losses(&joined) == losses(&small) + losses(&large) => {
+        match without_loss(together(&members), [&small, &large]) {
+            Ok(joined) => {
                 (garments[piece], garments[on]) = (None, Some(joined));
                 layers[on].members = members;
                 layers[piece].corners.clear();
             }
-            result => {
-                let why = result.err().map_or_else(|| "would lose attributes".to_owned(), |fault| fault.to_string());
-                garments[piece].iter_mut().for_each(|piece| piece.warnings.push(apart(&small, &large, &why)));
-            }
+            Err(why) => garments[piece].iter_mut().for_each(|piece| piece.warnings.push(apart(&small, &large, &why))),
         }
     }
     Ok(garments.into_iter().flatten().collect())
+}
+
+/// The garment of two others, or why they cannot be one.
+fn without_loss(joined: Result<Source, Error>, of: [&Source; 2]) -> Result<Source, String> {
+    let words = |fault: &Error| fault.faults.iter().map(|fault| fault.text.as_str()).collect::<Vec<_>>().join("; ");
+    let joined = joined.map_err(|fault| words(&fault))?;
+    if let Err(fault) = &joined.recipe {
+        return Err(words(fault));
+    }
+    let lost = joined.warnings.iter().filter(|warning| warning.code == Code::NotCarried);
+    let known = |warning: &&Warning| !of.iter().any(|source| source.warnings.iter().any(|own| own == *warning));
+    let lost: Vec<&str> = lost.filter(known).map(|warning| warning.place.as_str()).collect();
+    if lost.is_empty() { Ok(joined) } else { Err(format!("one garment of both would lack {}", lost.join(", "))) }
 }
 
 /// Whether the options of a garment let it be attached.
@@ -75,13 +85,8 @@ fn attaches(garment: &Source) -> bool {
     options.and_then(|cloth| cloth.get("attach")).is_none_or(|attach| attach != false)
 }
 
-/// How many attributes the products of a garment lack.
-fn losses(garment: &Source) -> usize {
-    garment.warnings.iter().filter(|warning| warning.code == Code::NotCarried).count()
-}
-
 fn apart(piece: &Source, cloth: &Source, why: &str) -> Warning {
-    let problem = format!("it lies on {} and is not attached to it, as one garment of both {why}", cloth.prim());
+    let problem = format!("it lies on {} and is not attached to it: {why}", cloth.prim());
     Warning::new(Code::Unattached, piece.prim(), problem)
         .remedy("Give both the same primvars and options; or set cloth.attach to false on it")
 }
