@@ -24,6 +24,7 @@ use glam::Vec3;
 use normals::OuterNormals;
 use patches::{CagePlace, Patches};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Share of the remaining clearance that an operator may use, so that later operators have some.
@@ -212,15 +213,7 @@ impl Placement {
     pub fn raised(&self, operator: &dyn Operator, base: &FlatPoints, is_last: bool) -> (CagePoints, Warnings) {
         let mut asked = operator.heights(self.output());
         let controls = &self.output().controls;
-        let layer = EvenNormals {
-            targets: &base.targets,
-            edges: &self.layer_edges,
-            controls,
-            topology: &self.child.level().topology,
-            points: &base.fitted.points,
-        };
-        let mut clearance = base.fitted.clearance.clone();
-        let targets = layer.over(&self.within_clearance(&asked, &base.targets, &mut clearance, is_last));
+        let targets = self.even_targets(&asked, base, is_last);
         unfolded(&mut asked, &self.layer_edges, &targets);
         let mut cage = base.fitted.clone();
         let given = self.within_clearance(&asked, &targets, &mut cage.clearance, is_last);
@@ -261,6 +254,22 @@ impl Placement {
             warnings.push(cut_short(operator.label(), displaced.most_work()));
         }
         (cage, warnings)
+    }
+
+    /// The targets with even normals of a second layer, over the heights that the clearance leaves it.
+    fn even_targets<'a>(&self, asked: &[f32], base: &'a FlatPoints, is_last: bool) -> Cow<'a, [(Vec3, Vec3)]> {
+        if self.layer_edges.is_empty() {
+            return Cow::Borrowed(&base.targets);
+        }
+        let layer = EvenNormals {
+            targets: &base.targets,
+            edges: &self.layer_edges,
+            controls: &self.output().controls,
+            topology: &self.child.level().topology,
+            points: &base.fitted.points,
+        };
+        let given = self.within_clearance(asked, &base.targets, &mut base.fitted.clearance.clone(), is_last);
+        Cow::Owned(layer.over(&given))
     }
 
     /// The points raised by the least share of their heights that repair leaves.

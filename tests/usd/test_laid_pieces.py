@@ -69,14 +69,17 @@ def test_a_pocket_and_its_flap_are_attached_along_their_borders(usdtailor, coat,
     assert {"flap", "left", "right", "pocket"} <= set(mesh.subsets)
 
 
-def test_a_piece_stays_one_of_its_own_where_its_options_say_so(usdtailor, coat, tmp_path):
-    def free(_, pocket):
-        pocket.GetPrim().CreateAttribute("tailor:cloth:attach", Sdf.ValueTypeNames.Bool, True, Sdf.VariabilityUniform).Set(False)
+@pytest.mark.parametrize("prim, own", [("pocket", {"left_sim", "pocket_sim"}), ("left", {"flap_sim", "left_sim", "pocket_sim"})])
+def test_a_piece_stays_one_of_its_own_where_options_say_so(usdtailor, coat, tmp_path, prim, own):
+    """Those of the pocket alone, where the flap is on the coat; and those of the coat."""
+    def free(stage, _):
+        of = stage.GetPrimAtPath(f"/Coat/{prim}")
+        of.CreateAttribute("tailor:cloth:attach", Sdf.ValueTypeNames.Bool, True, Sdf.VariabilityUniform).Set(False)
 
     out = tmp_path / "out.usda"
     said = built(usdtailor, coat(free), out, "--all")
     assert "unattached" not in said
-    assert sims(out) == {"left_sim", "pocket_sim"}, "the flap is on the coat"
+    assert sims(out) == own
 
 
 def test_what_lies_farther_away_is_a_garment_of_its_own(usdtailor, coat, tmp_path):

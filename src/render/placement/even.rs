@@ -38,7 +38,7 @@ impl EvenNormals<'_> {
         }
         let of = |i: usize| {
             let (point, own) = self.targets[i];
-            let is_alone = !beside.contains_key(&i) || own == Vec3::ZERO;
+            let is_alone = !beside.contains_key(&i) || own == Vec3::ZERO || heights[i] == 0.0;
             let mean = if is_alone { Vec3::ZERO } else { self.mean(i, heights[i].abs(), &beside) };
             (point, if mean.dot(own) > 0.0 { mean.normalize() } else { own })
         };

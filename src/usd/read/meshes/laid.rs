@@ -6,7 +6,7 @@ use crate::cloth::{COVERED, LOOSE_AREA};
 use crate::error::{Code, Error, Warning};
 use crate::garment::sew::{Seams, border_points, edges};
 use crate::usd::read::source::Source;
-use crate::usd::read::trims::triangles;
+use crate::usd::read::trims::PlacedMesh;
 use glam::Vec3;
 use openusd::usd::{Stage, TimeCode};
 use std::cell::OnceCell;
@@ -41,7 +41,8 @@ pub fn garments(
     seams: &Seams,
     time: Option<TimeCode>,
 ) -> Result<Vec<Source>, Error> {
-    let layers = seams.garments.iter().map(|members| Layer::new(sources, members, seams));
+    let welded: BTreeSet<(usize, usize)> = seams.welds.iter().flatten().copied().collect();
+    let layers = seams.garments.iter().map(|members| Layer::new(sources, members, &welded));
     let mut layers = layers.collect::<Result<Vec<Layer>, Error>>()?;
     // From the smallest piece, so that a flap is on its pocket before the pocket is on the coat.
     let mut order: Vec<usize> = (0..layers.len()).collect();
@@ -50,17 +51,20 @@ pub fn garments(
     let own = seams.garments.iter().map(|members| together(members));
     let mut garments = own.map(|garment| garment.map(Some)).collect::<Result<Vec<Option<Source>>, Error>>()?;
     for piece in order {
+        let Some(small) = garments[piece].as_ref().filter(|small| attaches(small)) else { continue };
         let Some(on) = below(&layers, piece) else { continue };
-        let Some(small) = garments[piece].clone().filter(attaches) else { continue };
-        let Some(large) = garments[on].clone() else { continue };
+        let Some(large) = garments[on].as_ref().filter(|large| attaches(large)) else { continue };
         let members = [layers[on].members.as_slice(), &layers[piece].members].concat();
-        match without_loss(together(&members), [&small, &large]) {
+        match without_loss(together(&members), [small, large]) {
             Ok(joined) => {
                 (garments[piece], garments[on]) = (None, Some(joined));
                 layers[on].members = members;
                 layers[piece].corners.clear();
             }
-            Err(why) => garments[piece].iter_mut().for_each(|piece| piece.warnings.push(apart(&small, &large, &why))),
+            Err(why) => {
+                let warning = apart(small, large, &why);
+                garments[piece].iter_mut().for_each(|piece| piece.warnings.push(warning.clone()));
+            }
         }
     }
     Ok(garments.into_iter().flatten().collect())
@@ -115,22 +119,18 @@ impl Layer {
         (cloth_low - cloth.reach).cmple(high).all() && low.cmple(cloth_high + cloth.reach).all()
     }
 
-    fn new(sources: &[Source], members: &[usize], seams: &Seams) -> Result<Self, Error> {
-        let welded: BTreeSet<(usize, usize)> = seams.welds.iter().flatten().copied().collect();
+    /// Of the meshes number `members`. `welded` are the points of seams, each as mesh and point.
+    fn new(sources: &[Source], members: &[usize], welded: &BTreeSet<(usize, usize)>) -> Result<Self, Error> {
         let (mut border, mut corners) = (Vec::new(), Vec::new());
         let (mut length, mut count) = (0.0, 0);
         for &member in members {
             let mesh = sources[member].garment.as_ref().map_err(Clone::clone)?;
-            let to_world = sources[member].model.transforms.to_world;
-            let points: Vec<Vec3> =
-                mesh.points.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
+            let placed = PlacedMesh::new(mesh, sources[member].model.transforms.to_world);
             let open = border_points(mesh).into_iter().filter(|&point| !welded.contains(&(member, point)));
-            border.extend(open.map(|point| points[point]));
-            let counts: Vec<usize> = mesh.face_vertex_counts.iter().map(|&n| n as usize).collect();
-            let of_faces: Vec<u32> = mesh.face_vertex_indices.iter().map(|&v| v as u32).collect();
-            corners.extend(triangles(&points, &counts, &of_faces));
+            border.extend(open.map(|point| placed.points[point]));
+            corners.extend(placed.triangles());
             for [a, b] in edges(mesh) {
-                length += points[a].distance(points[b]);
+                length += placed.points[a].distance(placed.points[b]);
                 count += 1;
             }
         }

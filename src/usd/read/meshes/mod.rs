@@ -27,8 +27,8 @@ use std::sync::Arc;
 
 impl Source {
     /// Opens all garments of a stage: those below `options.prim` if that has several meshes below it, all if `options.all`, or else
-    /// the one mesh that [`Source::open`] reads. Meshes whose borders coincide are sewn into one garment, and small ones that lie on others are a part of these. Garments are in the
-    /// order of their first meshes; there is at least one.
+    /// the one mesh that [`Source::open`] reads. Meshes whose borders coincide are sewn into one garment. Small ones that lie on a
+    /// garment become a part of it. Garments are in the order of their first meshes; there is at least one.
     ///
     /// # Errors
     /// As [`Source::open`], for any of the meshes; panels that cannot be one mesh.

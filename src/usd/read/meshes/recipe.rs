@@ -25,7 +25,9 @@ pub fn merge(panels: &[(&str, Map<String, Value>)]) -> Result<Map<String, Value>
                 let attribute = format!("tailor:{}", key.join(":"));
                 Error::recipe(
                     format!("{with}, {panel}"),
-                    format!("they are sewn together, and {attribute} is {earlier} on one and {now} on the other"),
+                    format!(
+                        "they are parts of one garment, and {attribute} is {earlier} on one and {now} on the other"
+                    ),
                 )
                 .code(ErrorCode::PanelsDiffer)
                 .remedy("give both the same value, or author it on one of them alone")

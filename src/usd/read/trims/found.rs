@@ -2,11 +2,12 @@
 
 use crate::binding::Triangles;
 use crate::error::Error;
+use crate::garment::Garment;
 use crate::trim::{Stiffness, TrimShape, faces};
 use crate::usd::names;
 use crate::usd::read::query::{prim_at, property_names};
 use crate::usd::read::source::Source;
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use serde_json::{Map, Value as Json, json};
@@ -60,29 +61,43 @@ impl Candidate {
         let is_garment = property_names(&prim)?.iter().any(has_options) || schemas.iter().any(is_ours);
         let none = Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment };
         let Ok(garment) = &source.garment else { return Ok(none) };
-        let to_world = source.model.transforms.to_world;
-        let points: Vec<Vec3> =
-            garment.points.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
-        let is_whole = |n: &i32| usize::try_from(*n).is_ok_and(|n| n < points.len());
-        if !points.iter().all(|p| p.is_finite()) || !garment.face_vertex_indices.iter().all(is_whole) {
+        let placed = PlacedMesh::new(garment, source.model.transforms.to_world);
+        let is_whole = |n: &i32| usize::try_from(*n).is_ok_and(|n| n < placed.points.len());
+        if !placed.points.iter().all(|p| p.is_finite()) || !garment.face_vertex_indices.iter().all(is_whole) {
             return Ok(none);
         }
-        let counts: Vec<usize> = garment.face_vertex_counts.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect();
-        let corners: Vec<u32> = garment.face_vertex_indices.iter().map(|&v| v as u32).collect();
-        let shape = TrimShape::of_mesh(points, &counts, &corners);
+        let triangles = placed.triangles();
+        let shape = TrimShape::of_mesh(placed.points, &placed.counts, &placed.corners);
         let size = shape.size();
-        let triangles = triangles(&shape.points, &counts, &corners);
         Ok(if size.is_finite() { Self { triangles, shape, size, is_garment } } else { none })
     }
 }
 
-/// The triangles of faces.
-pub fn triangles(points: &[Vec3], counts: &[usize], corners: &[u32]) -> Vec<[Vec3; 3]> {
-    let fan = |face: &[u32]| -> Vec<[Vec3; 3]> {
-        let at = |v: u32| points[v as usize];
-        face.windows(2).skip(1).map(|pair| [at(face[0]), at(pair[0]), at(pair[1])]).collect()
-    };
-    faces(counts, corners).flat_map(fan).collect()
+/// A mesh in the space of the stage.
+pub struct PlacedMesh {
+    /// Its points.
+    pub points: Vec<Vec3>,
+    counts: Vec<usize>,
+    corners: Vec<u32>,
+}
+
+impl PlacedMesh {
+    pub fn new(mesh: &Garment, to_world: DMat4) -> Self {
+        Self {
+            points: mesh.points.iter().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect(),
+            counts: mesh.face_vertex_counts.iter().map(|&n| usize::try_from(n).unwrap_or(0)).collect(),
+            corners: mesh.face_vertex_indices.iter().map(|&v| v as u32).collect(),
+        }
+    }
+
+    /// The triangles of its faces, all of whose corners have to be points.
+    pub fn triangles(&self) -> Vec<[Vec3; 3]> {
+        let fan = |face: &[u32]| -> Vec<[Vec3; 3]> {
+            let at = |v: u32| self.points[v as usize];
+            face.windows(2).skip(1).map(|pair| [at(face[0]), at(pair[0]), at(pair[1])]).collect()
+        };
+        faces(&self.counts, &self.corners).flat_map(fan).collect()
+    }
 }
 
 /// Adds trims to the options of a garment, under the name [`FOUND`], or one with a number where that is taken.

@@ -2,7 +2,7 @@
 
 mod found;
 
-pub use found::{take, triangles};
+pub use found::{PlacedMesh, take};
 
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::trim::{Ride, TrimOptions, TrimShape};
