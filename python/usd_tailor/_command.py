@@ -1,13 +1,17 @@
 """The command ``usdtailor`` of this package."""
 
 import atexit
+import contextlib
 import functools
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+import threading
+import types
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 PROGRAM = Path(__file__).parent / "_native" / ("usdtailor.exe" if os.name == "nt" else "usdtailor")
@@ -29,8 +33,9 @@ def run(arguments: Sequence[str], *, examines: bool = False) -> str:
 
     A command that only ``examines`` prints the faults of garments as JSON; these are not a refusal.
     """
-    with start(arguments) as process:
+    with _interrupts_held() as release, start(arguments) as process:
         try:
+            release()
             printed, message = process.communicate()
         except BaseException:
             # subprocess.run() does not wait after a KeyboardInterrupt, and leaves a zombie.
@@ -40,6 +45,27 @@ def run(arguments: Sequence[str], *, examines: bool = False) -> str:
     if process.returncode and not (examines and printed.startswith("{")):
         raise TailorError(message.strip() or f"usdtailor ended with {process.returncode}", process.returncode)
     return printed
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[Callable[[], None]]:
+    """Holds Ctrl-C back until the function that it yields is called: one while a process starts would leave the process."""
+    handler = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread() or not callable(handler):
+        yield lambda: None
+        return
+    held: list[tuple[int, "types.FrameType | None"]] = []
+
+    def release() -> None:
+        signal.signal(signal.SIGINT, handler)
+        while held:
+            handler(*held.pop())
+
+    signal.signal(signal.SIGINT, lambda *interrupt: held.append(interrupt))
+    try:
+        yield release
+    finally:
+        release()
 
 
 def start(arguments: Sequence[str]) -> "subprocess.Popen[str]":

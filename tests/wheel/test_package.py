@@ -176,7 +176,7 @@ def test_a_program_that_cannot_run_is_told_with_its_place_and_a_remedy(unpacked,
 
 
 INTERRUPTED = """
-import os, signal, threading, time
+import os, signal, subprocess, threading, time
 # A shell in the background ignores the signal, and what it starts does so too.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 pid = _command.PROGRAM.with_name("pid")
@@ -184,8 +184,15 @@ def interrupt():
     while not (pid.exists() and pid.read_text()):
         time.sleep(0.01)
     os.kill(os.getpid(), signal.SIGINT)
+class Slow(subprocess.Popen):
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        interrupt()
 _command.PROGRAM.write_text(f"#!/bin/sh\\ntrap '' INT\\necho $$ > {pid}\\nexec sleep 60\\n")
-threading.Thread(target=interrupt).start()
+if while_it_starts:
+    subprocess.Popen = Slow
+else:
+    threading.Thread(target=interrupt).start()
 try:
     usd_tailor.options()
 except KeyboardInterrupt:
@@ -196,8 +203,9 @@ except KeyboardInterrupt:
 """
 
 
-def test_an_interrupted_call_leaves_no_process(unpacked):
-    done = in_package(unpacked, INTERRUPTED)
+@pytest.mark.parametrize("while_it_starts", [True, False])
+def test_an_interrupted_call_leaves_no_process(unpacked, while_it_starts):
+    done = in_package(unpacked, f"while_it_starts = {while_it_starts}\n{INTERRUPTED}")
     assert (done.returncode, done.stdout) == (0, "gone\n"), done.stderr
 
 
