@@ -51,6 +51,7 @@ mod contact;
 pub mod drive;
 pub mod error;
 mod files;
+pub mod fit;
 mod garment;
 mod mesh;
 mod meter;

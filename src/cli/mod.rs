@@ -4,6 +4,7 @@ mod build;
 mod drive;
 mod example;
 mod explain;
+mod fit;
 mod info;
 #[cfg(feature = "preview")]
 mod preview;
@@ -48,6 +49,8 @@ enum Command {
     Build(Build),
     /// Move the render mesh of a garment with a simulated cache
     Drive(drive::Drive),
+    /// Fit a garment to another body
+    Fit(fit::Fit),
     /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = crate::recipe::help())]
     Info(ExamineArgs),
@@ -248,6 +251,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
     let (threads, quiet, serves) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),
+        Command::Fit(fit) => fit.run_options(),
         Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
         Command::Sets(sets) => (sets.threads(), false, false),
         Command::Example(_)
@@ -267,6 +271,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
     match &cli.command {
         Command::Build(build) => build::run(build),
         Command::Drive(drive) => drive::run(drive),
+        Command::Fit(fit) => fit::run(fit),
         Command::Info(args) => info::info(args),
         Command::Check(args) => info::check(args),
         Command::Sets(sets) => sets::run(sets),
@@ -282,7 +287,15 @@ fn run(cli: &Cli) -> Result<Output, Error> {
 
 /// Whether a subcommand works on meshes, so that the threads have to start.
 fn uses_threads(command: &Command) -> bool {
-    matches!(command, Command::Build(_) | Command::Drive(_) | Command::Info(_) | Command::Check(_) | Command::Sets(_))
+    matches!(
+        command,
+        Command::Build(_)
+            | Command::Drive(_)
+            | Command::Fit(_)
+            | Command::Info(_)
+            | Command::Check(_)
+            | Command::Sets(_)
+    )
 }
 
 fn options() -> Output {

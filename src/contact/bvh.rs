@@ -61,7 +61,7 @@ pub fn morton_order(faces: &Faces, points: &IdVec<VertexId, Vec3>) -> Vec<FaceId
 }
 
 /// The indices of points, sorted by their Morton codes.
-pub(super) fn morton_sorted(centres: &[Vec3A]) -> Vec<usize> {
+pub fn morton_sorted(centres: &[Vec3A]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..centres.len()).collect();
     sort_by_morton(&mut order, centres);
     order

@@ -17,7 +17,7 @@ mod proximity;
 mod simd;
 
 pub use axis::{Quad, separating_axis};
-pub use bvh::{Aabb, Bvh, morton_order};
+pub use bvh::{Aabb, Bvh, morton_order, morton_sorted};
 pub use clearance::{Clearance, UNBOUNDED, smaller};
 pub use face::ChildId;
 pub use faces::{RefinedFaces, evaluate};

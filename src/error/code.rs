@@ -102,6 +102,8 @@ pub enum ErrorCode {
     TooLarge,
     /// UV shells are not patterns, and the cloth is to rest on them.
     UnusablePanels,
+    /// Two bodies of a fit do not correspond.
+    BodiesDiffer,
     /// The target of the pins cannot hold them.
     PinTarget,
     /// No mesh is bound to a simulation mesh.

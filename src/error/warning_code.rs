@@ -117,6 +117,10 @@ pub enum Code {
     Unattached,
     /// Borders of two meshes lie along each other and are not sewn.
     UnsewnBorders,
+    /// A garment is not on the body that it was made for.
+    OffBody,
+    /// Faces of a fitted garment cross the body or each other, and did not before.
+    FitCrosses,
     /// Fewer threads are started than asked for.
     ThreadsCapped,
 }
@@ -137,6 +141,8 @@ impl Code {
             | Self::NotCarried
             | Self::FlippedUvs
             | Self::Intersections
+            | Self::FitCrosses
+            | Self::OffBody
             | Self::RootMesh
             | Self::EmptySet
             | Self::NothingPinned

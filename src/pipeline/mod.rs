@@ -228,6 +228,11 @@ impl Builder {
         self.face_numbers.warnings_in_mesh(warnings.clone())
     }
 
+    /// Warnings of the checked mesh with the elements of the file, from which faces may be left out.
+    pub fn warnings_in_file(&self, warnings: Warnings) -> Warnings {
+        self.face_numbers.warnings_in_file(warnings)
+    }
+
     /// Elements of the checked mesh as those of the file, from which faces may be left out.
     pub fn in_file(&self, elements: Elements) -> Elements {
         self.face_numbers.in_file(elements)

@@ -6,6 +6,7 @@
 //! `write` imports from `read`, and both from `names`, `values`, `assets` and `record`.
 
 mod assets;
+mod body;
 mod build_record;
 mod names;
 mod read;
@@ -16,6 +17,7 @@ mod write;
 
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
+pub use body::body_of;
 pub use build_record::BuildRecord;
 #[cfg(feature = "preview")]
 pub(crate) use read::Look;
@@ -31,8 +33,9 @@ pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]
 pub(crate) use values::type_word;
 pub use write::{
-    BoundTrim, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written,
-    check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
+    BoundTrim, FittedGarment, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions,
+    Written, check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all, write_fitted,
+    write_sets, write_whole,
 };
 #[cfg(feature = "preview")]
 pub(crate) use write::{

@@ -29,6 +29,7 @@ use std::path::{Path, PathBuf};
 use stream::ShotWriter;
 
 pub use cache::CacheFile;
+pub use conversion::{StageMetrics, UpAxis};
 pub use playback::Playback;
 
 /// Frames that are in memory at a time, for each thread.

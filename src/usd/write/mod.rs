@@ -1,6 +1,7 @@
 //! Writing: products become prims of a layer, and the layer becomes a file or bytes in memory.
 
 mod crates;
+mod fit;
 mod flatten;
 mod layer;
 mod package;
@@ -16,6 +17,7 @@ mod trims;
 mod variant;
 
 pub use crates::write_crate;
+pub use fit::{FittedGarment, write_fitted};
 pub use layer::{
     Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes, write, write_all,
 };

@@ -1,0 +1,253 @@
+//! `usdtailor fit`.
+
+use super::process::folders::MadeFolders;
+use super::text::{print_error, print_warnings, warning_json};
+use super::{Inputs, Output, report, usage};
+use crate::error::{Error, ErrorCode, Warnings};
+use crate::fit::{Bodies, CrossingCount, FitFigures, FitOptions, fit};
+use crate::garment::Elements;
+use crate::pipeline::Builder;
+use crate::recipe::Recipe;
+use crate::session::OpenGarment;
+use crate::usd::{FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_fitted};
+use clap::Args;
+use glam::Vec3;
+use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+
+/// The name of a report that is printed.
+const STDOUT: &str = "-";
+
+#[derive(Args)]
+pub struct Fit {
+    #[command(flatten)]
+    inputs: Inputs,
+    /// The body that the garment was made for
+    #[arg(long, value_name = "BODY", help_heading = "Bodies")]
+    from: PathBuf,
+    /// The body that it is to fit, of the same faces or with a common UV set; repeatable
+    #[arg(long, value_name = "BODY", help_heading = "Bodies", required = true, num_args = 1..)]
+    to: Vec<PathBuf>,
+    /// Path of the mesh in the files of bodies [default: the only mesh]
+    #[arg(long, value_name = "PATH", help_heading = "Bodies")]
+    body_prim: Option<String>,
+    /// A set whose connected parts move as wholes, such as buttons, or an expression; repeatable
+    #[arg(long, value_name = "SET", help_heading = "Fit")]
+    rigid: Vec<String>,
+    /// A set whose edges keep their lengths, such as a hem, or an expression; repeatable
+    #[arg(long, value_name = "SET", help_heading = "Fit")]
+    keep_length: Vec<String>,
+    /// Output layer over the garment (.usd, .usda or .usdc), or a folder for several bodies or garments, which is made where it is
+    /// missing
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
+    output: PathBuf,
+    /// Overwrite an existing output; the input is never overwritten
+    #[arg(long, help_heading = "Output")]
+    force: bool,
+    /// Write crossings, distances, lengths and warnings as JSON; - prints them instead of the summary
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    report: Option<PathBuf>,
+    /// Fail where a warning is more than a note, and write nothing then
+    #[arg(long, help_heading = "Output")]
+    strict: bool,
+}
+
+impl Fit {
+    /// The number of threads, whether only errors are printed, and whether it serves until it is ended.
+    pub fn run_options(&self) -> (Option<usize>, bool, bool) {
+        (self.inputs.threads, self.inputs.quiet, false)
+    }
+}
+
+/// A garment that is fitted to a body.
+struct Task {
+    input: PathBuf,
+    to: PathBuf,
+    output: PathBuf,
+}
+
+/// A garment that fits.
+struct Done {
+    source: Source,
+    points: Vec<Vec3>,
+    figures: FitFigures,
+    warnings: Warnings,
+}
+
+/// Fits each garment to each body. With several, a failed one is reported and the others are still fitted.
+pub fn run(command: &Fit) -> Result<Output, Error> {
+    let prints_report = command.report.as_deref() == Some(Path::new(STDOUT));
+    let report_file = command.report.as_deref().filter(|_| !prints_report);
+    if let Some(file) = report_file {
+        report::check_target(file, command.force)?;
+    }
+    let tasks = tasks(command)?;
+    // Kept to the end, when it goes again if nothing is in it.
+    let _made = if is_folder(command, tasks.len()) { Some(MadeFolders::new(&command.output)?) } else { None };
+    let (mut text, mut reports, mut code) = (String::new(), Vec::with_capacity(tasks.len()), 0);
+    for task in &tasks {
+        let label = (tasks.len() > 1).then_some(&task.output);
+        match fit_one(command, task) {
+            Ok(garments) => {
+                let warnings = garments.iter().flat_map(|done| done.warnings.worst_first());
+                print_warnings(warnings, command.inputs.wording(), label);
+                text += &summary(task, &garments);
+                reports.push(in_report(command, task, &garments));
+            }
+            Err(error) => {
+                let Some(label) = label else { return Err(error) };
+                print_error(&error, Some(label));
+                let failed = json!({ "status": "failed", "error": report::error_json(&error) });
+                reports.push(with_files(command, task, failed));
+                code = code.max(super::program::exit_code(&error));
+            }
+        }
+    }
+    let all = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "fits": reports }) };
+    let all = report::pretty(&all)?;
+    if let Some(file) = report_file {
+        report::write(file, &all, command.force)?;
+    }
+    let text = match (prints_report, command.inputs.quiet) {
+        (true, _) => all,
+        (false, true) => String::new(),
+        (false, false) => text,
+    };
+    Ok(Output { text, code })
+}
+
+/// Whether the output is a folder for so many outputs.
+fn is_folder(command: &Fit, outputs: usize) -> bool {
+    let out = &command.output;
+    outputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
+}
+
+/// Each garment and body with its output: `-o` itself, or a file in it if it is a folder.
+fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
+    let files = command.inputs.files()?;
+    let pairs: Vec<(&PathBuf, &PathBuf)> =
+        files.iter().flat_map(|input| command.to.iter().map(move |to| (input, to))).collect();
+    let out = &command.output;
+    let is_folder = is_folder(command, pairs.len());
+    if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
+        let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", pairs.len()));
+        return Err(fault.remedy("name a folder, which is made where it is missing, or fit to one body at a time"));
+    }
+    let mut known = HashSet::new();
+    let task = |(input, to): (&PathBuf, &PathBuf)| {
+        let [garment, body] = [input, to].map(|file| file.file_stem().unwrap_or_default().to_string_lossy());
+        let output = if is_folder { out.join(format!("{garment}_{body}.usdc")) } else { out.clone() };
+        if known.insert(output.clone()) {
+            return Ok(Task { input: input.clone(), to: to.clone(), output });
+        }
+        let fault = usage("", format!("two outputs would be {}", output.display())).code(ErrorCode::OutputPath);
+        Err(fault.remedy("give the files other names, or fit them into separate folders"))
+    };
+    pairs.into_iter().map(task).collect()
+}
+
+/// Fits the garments of one input and writes them.
+fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
+    let opened = command.inputs.open(&task.input)?;
+    check_target(&opened[0].source, &task.output, command.force)?;
+    let body = |file: &Path| {
+        let read = ReadOptions { prim: command.body_prim.clone(), ..ReadOptions::default() };
+        Source::open(file, &read)
+    };
+    let bodies = [body(&command.from)?, body(&task.to)?];
+    let fit = |garment| fitted(command, garment, &bodies);
+    let mut garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
+    if command.strict {
+        garments.iter().try_for_each(|done| done.warnings.strict())?;
+    }
+    let all: Vec<_> =
+        garments.iter().map(|done| FittedGarment { source: &done.source, points: &done.points }).collect();
+    let warnings = write_fitted(&all, &task.output, command.force)?;
+    if let Some(last) = garments.last_mut() {
+        last.warnings.extend(warnings);
+    }
+    Ok(garments)
+}
+
+/// One garment, fitted.
+fn fitted(command: &Fit, garment: OpenGarment, [from, to]: &[Source; 2]) -> Result<Done, Error> {
+    let (source, builder, recipe) = garment.check()?;
+    let [from, to] = [body_of(&source, from)?, body_of(&source, to)?].map(|(mesh, _)| mesh);
+    let sets = |flag: &str, names: &[String]| {
+        names.iter().map(|name| set(&builder, &recipe, flag, name)).collect::<Result<Vec<_>, Error>>()
+    };
+    let options =
+        FitOptions { rigid: sets("rigid", &command.rigid)?, keep_length: sets("keep-length", &command.keep_length)? };
+    let fitted = fit(builder.garment(), &Bodies::new(&from, &to)?, &options)?;
+    let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
+    warnings.extend(builder.warnings_in_file(fitted.warnings));
+    Ok(Done { source, points: fitted.points, figures: fitted.figures, warnings })
+}
+
+/// A set by its name or expression.
+fn set(builder: &Builder, recipe: &Recipe, flag: &str, expression: &str) -> Result<Elements, Error> {
+    let place = format!("--{flag} {expression}");
+    let elements = builder.derived_set(recipe, &place, expression)?.elements;
+    if elements.is_empty() {
+        let fault = Error::recipe(place, "the set has no elements").code(ErrorCode::SetExpression);
+        return Err(fault.remedy("`usdtailor sets` lists the sets of the garment"));
+    }
+    Ok(elements)
+}
+
+fn summary(task: &Task, garments: &[Done]) -> String {
+    let mut text = format!("{} -> {}\n", task.input.display(), task.output.display());
+    for Done { source, figures, .. } in garments {
+        let FitFigures { body_crossings, own_crossings, distance, lengths, angles, .. } = figures;
+        let least = distance.least.map(|least| least.map_or_else(|| "far".to_owned(), |least| format!("{least:.4}")));
+        let crossings =
+            |count: &CrossingCount| format!("{} before, {} after, {} new", count.before, count.after, count.new);
+        let rows = [
+            ("body", format!("{}, by {}", task.to.display(), source.whole())),
+            ("faces through body", crossings(body_crossings)),
+            ("faces through faces", crossings(own_crossings)),
+            (
+                "distance",
+                format!(
+                    "{} to {} at least, {:.3} to {:.3} on average",
+                    least[0], least[1], distance.mean[0], distance.mean[1]
+                ),
+            ),
+            (
+                "edges",
+                format!(
+                    "{:.1} % follow the body within 15 %; {:.2} to {:.2} of their lengths, {:.2} on average",
+                    100.0 * figures.edges_kept,
+                    lengths[0],
+                    lengths[2],
+                    lengths[1]
+                ),
+            ),
+            ("angles", format!("{:.1} degrees of change on average, 95 % below {:.1}", angles[0], angles[1])),
+        ];
+        for (name, value) in rows {
+            text += &format!("  {name:<20} {value}\n");
+        }
+    }
+    text
+}
+
+fn in_report(command: &Fit, task: &Task, garments: &[Done]) -> Value {
+    let of_garment = |done: &Done| {
+        let mut json = json!(done.figures);
+        json["prim"] = json!(done.source.whole());
+        json["warnings"] = done.warnings.iter().map(warning_json).collect();
+        json
+    };
+    let all: Vec<Value> = garments.iter().map(of_garment).collect();
+    with_files(command, task, json!({ "status": "fitted", "garments": all }))
+}
+
+/// A report with the files that it is of.
+fn with_files(command: &Fit, task: &Task, mut report: Value) -> Value {
+    for (name, file) in [("input", &task.input), ("from", &command.from), ("to", &task.to), ("output", &task.output)] {
+        report[name] = json!(file.display().to_string());
+    }
+    report
+}

@@ -1,0 +1,136 @@
+//! How near a cage may come to a body and to itself.
+
+use super::bodies::Bodies;
+use super::cage::Cage;
+use super::contacts::{Contact, Elements, with_body, with_itself};
+use super::crossings::{CrossingFaces, Crossings};
+use super::rigid::Limit;
+use glam::DVec3;
+
+/// Reach of contacts with the body and with the cage, as shares of the mean edge at a vertex. Less misses what comes near in a
+/// step; more slows.
+const REACH: [f64; 2] = [0.5, 0.4];
+/// Share of the distance at the start that is kept, and its bounds as shares of the mean edge.
+const KEPT: f64 = 0.6;
+const MOST: f64 = 0.15;
+const LEAST: f64 = 2e-3;
+
+/// What a cage may not pass, and how near it may come.
+pub struct Clearance<'a> {
+    cage: &'a Cage,
+    bodies: &'a Bodies,
+    /// Faces that cross at the start, and are not held.
+    pub start: CrossingFaces,
+    /// The mean edge at each vertex.
+    pub edge: Vec<f64>,
+    /// The distance of the elements at each vertex from the body and from other parts of the cage, at the start.
+    distance: [Vec<f64>; 2],
+    /// The share of its room that each vertex has kept where there was less.
+    squeeze: Vec<f64>,
+    body: OwnedElements,
+    /// Elements of faces that are free of the body at the start.
+    free: OwnedElements,
+}
+
+struct OwnedElements {
+    vertices: Vec<usize>,
+    edges: Vec<[usize; 2]>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl OwnedElements {
+    fn borrowed(&self) -> Elements<'_> {
+        Elements { vertices: &self.vertices, edges: &self.edges, triangles: &self.triangles }
+    }
+}
+
+impl<'a> Clearance<'a> {
+    /// The clearance at the start.
+    pub fn new(cage: &'a Cage, rest: &[DVec3], bodies: &'a Bodies) -> Self {
+        let count = rest.len();
+        let start = Crossings::of(cage, rest, bodies, &bodies.from).faces(cage);
+        let is_free = |vertices: &[usize]| cage.faces_of(vertices).any(|f| !start.body.contains(&f));
+        let free = OwnedElements {
+            vertices: (0..count).filter(|&v| is_free(&[v])).collect(),
+            edges: cage.edges.iter().copied().filter(|e| is_free(e)).collect(),
+            triangles: cage.triangles.iter().copied().filter(|t| is_free(t)).collect(),
+        };
+        // Points that no face has are not in the way.
+        let mut is_used = vec![false; bodies.from.len()];
+        bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
+        let body = OwnedElements {
+            vertices: (0..is_used.len()).filter(|&v| is_used[v]).map(|v| count + v).collect(),
+            edges: bodies.edges.iter().map(|e| e.map(|v| count + v)).collect(),
+            triangles: bodies.triangles.iter().map(|t| t.map(|v| count + v)).collect(),
+        };
+        let distance = [(); 2].map(|()| vec![f64::INFINITY; count]);
+        let edge = cage.mean_edges(rest);
+        let mut clearance = Self { cage, bodies, start, edge, distance, squeeze: vec![1.0; count], body, free };
+        let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0);
+        for (distance, contacts) in clearance.distance.iter_mut().zip(contacts) {
+            for contact in contacts {
+                let own = contact.vertices.into_iter().filter(|&v| v < count);
+                own.for_each(|v| distance[v] = distance[v].min(contact.distance));
+            }
+        }
+        clearance
+    }
+
+    /// Contacts with the body and of the cage with itself, of the points of both. `scale` is that of the cage.
+    pub fn contacts(&self, points: &[DVec3], scale: f64) -> [Vec<Contact>; 2] {
+        let reach = |share: f64| self.edge.iter().map(|edge| share * edge).collect::<Vec<_>>();
+        let with_body = with_body(&self.free.borrowed(), &self.body.borrowed(), points, &reach(REACH[0]));
+        let own = &points[..self.edge.len()];
+        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.start)]
+    }
+
+    /// The contacts as limits, with the body where it is in a shape.
+    pub fn limits(&self, contacts: &[Vec<Contact>; 2], shape: &[DVec3], scale: f64) -> Vec<Limit> {
+        let count = self.edge.len();
+        let points = [&vec![DVec3::ZERO; count], shape].concat();
+        let limits = |kind: usize, scale: f64| {
+            let limit = |contact: &Contact| contact.limit(&points, count, scale * self.least(contact, kind));
+            contacts[kind].iter().map(limit).collect::<Vec<_>>()
+        };
+        [limits(0, 1.0), limits(1, scale)].concat()
+    }
+
+    /// The least gap of a contact.
+    fn least(&self, contact: &Contact, kind: usize) -> f64 {
+        let of_vertex = |v: usize| {
+            let edge = self.edge[v];
+            let kept = (KEPT * self.distance[kind][v]).min(MOST * edge);
+            (self.squeeze[v] * kept).max(LEAST * edge)
+        };
+        contact.vertices.into_iter().filter(|&v| v < self.edge.len()).map(of_vertex).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Takes half of their room from the vertices of limits that could not be kept: these contradict each other.
+    pub fn squeeze(&mut self, limits: &[Limit], points: &[DVec3]) {
+        let mut is_squeezed = vec![false; points.len()];
+        for limit in limits {
+            let vertices = || limit.terms.into_iter().filter(|term| term.1 != 0.0).map(|term| term.0);
+            let edge = vertices().map(|v| self.edge[v]).fold(f64::INFINITY, f64::min);
+            if limit.value(points) < -0.05 * LEAST * edge {
+                vertices().for_each(|v| is_squeezed[v] = true);
+            }
+        }
+        let squeezed = self.squeeze.iter_mut().zip(is_squeezed).filter(|(_, is)| *is);
+        squeezed.for_each(|(squeeze, _)| *squeeze *= 0.5);
+    }
+
+    /// The gap at which triangles are kept apart after they have crossed.
+    pub fn least_of(&self, triangle: usize) -> f64 {
+        LEAST * self.cage.triangles[triangle].iter().map(|&v| self.edge[v]).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The triangles of the body, among the points of both.
+    pub fn body_triangle(&self, triangle: usize) -> [usize; 3] {
+        self.body.triangles[triangle]
+    }
+
+    /// What crosses and did not at the start.
+    pub fn new_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
+        Crossings::of(self.cage, points, self.bodies, shape).without(&self.start, self.cage)
+    }
+}

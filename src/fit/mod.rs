@@ -1,0 +1,131 @@
+//! A garment made for one body, fitted to another.
+//!
+//! The cage is as rigid as possible while the body changes in small steps ([`path`]). Its edges stretch as the body does around them
+//! ([`stretch`]), and nothing that crosses nothing at the start may cross the body or another part of the garment
+//! ([`contacts`]).
+
+mod bodies;
+mod bound;
+mod cage;
+mod clearance;
+mod contacts;
+mod crossings;
+mod figures;
+mod path;
+mod rigid;
+mod stretch;
+mod triangle;
+
+pub use bodies::Bodies;
+pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
+
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::garment::Mesh;
+use crate::mesh::{Elements, FaceId};
+use cage::Cage;
+use glam::{DVec3, Vec3};
+use path::Path;
+use std::collections::BTreeSet;
+
+/// Share of the points inside the body, or distance from it as a share of its size, from which a garment is not on the body.
+const MOST_INSIDE: f64 = 0.5;
+const MOST_DISTANCE: f64 = 0.25;
+
+/// How sets of the garment follow the body.
+#[derive(Clone, Debug, Default)]
+pub struct FitOptions {
+    /// Sets whose connected parts move as wholes, such as buttons.
+    pub rigid: Vec<Elements>,
+    /// Sets whose edges keep their lengths, such as a hem.
+    pub keep_length: Vec<Elements>,
+}
+
+/// A fitted garment.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The points of the garment on the other body. \[mesh units\]
+    pub points: Vec<Vec3>,
+    /// How well it fits.
+    pub figures: FitFigures,
+    /// What could not follow.
+    pub warnings: Warnings,
+}
+
+/// Fits a garment to the second of two bodies.
+///
+/// ```
+/// use tailor::fit::{Bodies, FitOptions, fit};
+/// use tailor::glam::Vec3;
+/// # use tailor::{Builder, Garment};
+///
+/// # fn main() -> Result<(), tailor::Error> {
+/// // A sheet over a flat body that becomes twice as large.
+/// let grid = |size: f32, height: f32| -> Vec<Vec3> {
+///     (0..25).map(|i| Vec3::new(size * (i % 5) as f32, size * (i / 5) as f32, height)).collect()
+/// };
+/// let corners: Vec<i32> = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [i, i + 1, i + 6, i + 5]).collect();
+/// let mesh = |points: Vec<Vec3>| -> Result<tailor::Mesh, tailor::Error> {
+///     let mesh = Garment {
+///         points,
+///         face_vertex_counts: vec![4; 16],
+///         face_vertex_indices: corners.clone(),
+///         ..Garment::default()
+///     };
+///     Ok(Builder::new(mesh)?.garment().clone())
+/// };
+/// let (small, large) = (mesh(grid(1.0, 0.0))?, mesh(grid(2.0, 0.0))?);
+/// let fitted = fit(&mesh(grid(1.0, 0.1))?, &Bodies::new(&small, &large)?, &FitOptions::default())?;
+/// assert!(fitted.points[24].distance(Vec3::new(8.0, 8.0, 0.1)) < 0.05, "{}", fitted.points[24]);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// A garment without points, or bodies so far from it that nothing can be said.
+pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted, Error> {
+    let rest: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
+    let cage = Cage::new(mesh);
+    let mut path = Path::new(&cage, &rest, bodies, options);
+    let mut warnings: Warnings = far_from_body(mesh, &path, bodies).into_iter().collect();
+    let points = path.run();
+    let figures = FitFigures::new(mesh, &path, &points);
+    warnings.extend(new_crossings(mesh, &path, &points));
+    let points: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
+    if points.iter().any(|p| !p.is_finite()) {
+        let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
+        return Err(fault.code(ErrorCode::MeshSize).remedy("give both bodies and the garment the same units"));
+    }
+    Ok(Fitted { points, figures, warnings })
+}
+
+/// The warning of a garment that is not on the body that it is said to be made for.
+fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
+    let (size, count) = (bodies.size(), mesh.points.len().max(1) as f64);
+    let mean = path.bound.distances().sum::<f64>() / count;
+    let inside = path.bound.heights().filter(|height| *height < 0.0).count() as f64 / count;
+    let problem = if mean > MOST_DISTANCE * size {
+        format!("it is {mean:.3} away from the body on average, whose size is {size:.3}")
+    } else if inside > MOST_INSIDE {
+        format!("{:.0} % of its points are inside the body", 100.0 * inside)
+    } else {
+        return None;
+    };
+    Some(
+        Warning::new(Code::OffBody, &mesh.prim, problem)
+            .remedy("Name the body that the garment was made for by --from, in the same place and unit"),
+    )
+}
+
+/// The warning of faces that cross the body or each other and did not before.
+fn new_crossings(mesh: &Mesh, path: &Path, points: &[DVec3]) -> Option<Warning> {
+    let found = path.new_crossings(points, &path.bodies.to);
+    let of_body = found.body.iter().map(|&[t, _]| path.cage.face[t]);
+    let own = found.own.iter().flatten().map(|&t| path.cage.face[t]);
+    let faces: BTreeSet<usize> = of_body.chain(own).collect();
+    (!faces.is_empty()).then(|| {
+        let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
+        Warning::new(Code::FitCrosses, &mesh.prim, problem)
+            .at(Elements::Faces(faces.into_iter().map(FaceId::new).collect()))
+            .remedy("Give the garment more ease there, or move these points by hand")
+    })
+}

@@ -1,0 +1,170 @@
+//! The way from one body to the other, in steps after which nothing new crosses.
+//!
+//! A step begins where nothing new crosses, with the body already in its next shape. What is near is held apart along the directions
+//! that it has there. Triangles that cross nevertheless are held apart as wholes; if that does not help, the step is cut.
+
+use super::FitOptions;
+use super::bodies::Bodies;
+use super::bound::BoundPoints;
+use super::cage::Cage;
+use super::clearance::Clearance;
+use super::contacts::apart;
+use super::crossings::Crossings;
+use super::rigid::{Goal, Limit, RigidCage};
+use super::stretch::Surroundings;
+use glam::{DQuat, DVec3};
+
+/// Steps of the whole way, and how often one of them may be cut in half.
+const STEPS: usize = 8;
+const MOST_CUTS: i32 = 6;
+/// Rounds of the solver in the last shape.
+const LAST_ROUNDS: usize = 8;
+/// How often what has crossed is held apart.
+const TRIES: usize = 6;
+/// Pull of a point to where its place on the body went, against the pull of an edge, and the share of the body's size at which it
+/// is half of that.
+const PULL: f64 = 0.1;
+const FAR: f64 = 0.015;
+
+/// A garment on its way.
+pub struct Path<'a> {
+    pub cage: &'a Cage,
+    pub rest: &'a [DVec3],
+    pub bodies: &'a Bodies,
+    pub bound: BoundPoints<'a>,
+    pub clearance: Clearance<'a>,
+    surroundings: Surroundings,
+    rigid: RigidCage<'a>,
+}
+
+/// A garment at a share of the way.
+#[derive(Clone)]
+struct State {
+    share: f64,
+    points: Vec<DVec3>,
+    turns: Vec<DQuat>,
+}
+
+impl<'a> Path<'a> {
+    pub fn new(cage: &'a Cage, rest: &'a [DVec3], bodies: &'a Bodies, options: &FitOptions) -> Self {
+        let bound = BoundPoints::new(bodies, &bodies.from, rest);
+        let far = FAR * bodies.size().max(f64::MIN_POSITIVE);
+        let pull = bound.distances().map(|distance| PULL / (1.0 + (distance / far).powi(2))).collect();
+        Self {
+            cage,
+            rest,
+            bodies,
+            clearance: Clearance::new(cage, rest, bodies),
+            surroundings: Surroundings::new(bodies, &bound.vertices()),
+            rigid: RigidCage::new(cage, rest, pull, options),
+            bound,
+        }
+    }
+
+    /// The points at the end of the way.
+    pub fn run(&mut self) -> Vec<DVec3> {
+        let mut state = State { share: 0.0, points: self.rest.to_vec(), turns: vec![DQuat::IDENTITY; self.rest.len()] };
+        // Whole numbers, so that the end is met.
+        let unit = STEPS << MOST_CUTS;
+        let (mut at, mut step) = (0, 1 << MOST_CUTS);
+        while at < unit {
+            let next = (at + step).min(unit);
+            let shape_share = next as f64 / unit as f64;
+            let rounds = if next == unit { LAST_ROUNDS } else { 1 };
+            match self.step(&state, shape_share, rounds) {
+                Some(moved) => {
+                    (state, at) = (moved, next);
+                    step = (2 * step).min(1 << MOST_CUTS);
+                }
+                None if step > 1 => step /= 2,
+                // What could not follow is told by the report.
+                None => {
+                    state.share = shape_share;
+                    at = next;
+                }
+            }
+        }
+        self.rigid.snap(&mut state.points);
+        state.points
+    }
+
+    /// The edges as a shape of the body stretches them, before their ends turn.
+    pub fn stretched_edges(&self, shape: &[DVec3]) -> Vec<DVec3> {
+        let stretches = self.surroundings.stretches(&self.bodies.from, shape);
+        let stretched = |&[a, b]: &[usize; 2]| (stretches[a] + stretches[b]) * 0.5 * (self.rest[a] - self.rest[b]);
+        self.cage.edges.iter().map(stretched).collect()
+    }
+
+    /// What crosses and did not at the start.
+    pub fn new_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
+        self.clearance.new_crossings(points, shape)
+    }
+
+    /// The garment when the body has its shape at `share`; none if something new crosses.
+    fn step(&mut self, from: &State, share: f64, rounds: usize) -> Option<State> {
+        let shape = self.bodies.shape(share);
+        let (targets, edges) = (self.bound.carried(&shape), self.rigid.kept(self.stretched_edges(&shape)));
+        let scale = self.scale(&edges);
+        let mut state = from.clone();
+        for round in 0..rounds {
+            let body = if round == 0 { self.bodies.shape(from.share) } else { shape.clone() };
+            let mut moved = State { share, ..state.clone() };
+            self.rigid.turns(&edges, &state.points, &mut moved.turns);
+            let goal = |limits| Goal { targets: &targets, edges: &edges, limits };
+            match self.solved(&moved, &body, &shape, scale, goal) {
+                Some(points) => state = State { points, ..moved },
+                None if round == 0 => return None,
+                None => break,
+            }
+        }
+        Some(state)
+    }
+
+    /// The points that a goal asks for with nothing new crossing, from a state beside `body`.
+    fn solved<'g>(
+        &mut self,
+        state: &State,
+        body: &[DVec3],
+        shape: &[DVec3],
+        scale: f64,
+        goal: impl Fn(Vec<Limit>) -> Goal<'g>,
+    ) -> Option<Vec<DVec3>> {
+        let (before, after) = ([&state.points[..], body].concat(), [&state.points[..], shape].concat());
+        let contacts = self.clearance.contacts(&before, scale);
+        let mut held = Vec::new();
+        for _ in 0..TRIES {
+            let mut limits = self.clearance.limits(&contacts, shape, scale);
+            limits.extend_from_slice(&held);
+            let goal = goal(limits);
+            let mut points = state.points.clone();
+            self.rigid.solve(&goal, &state.turns, &mut points);
+            let found = self.new_crossings(&points, shape);
+            if found.is_empty() {
+                return Some(points);
+            }
+            self.clearance.squeeze(&goal.limits, &points);
+            self.hold_apart(&found, &before, &after, &mut held);
+        }
+        None
+    }
+
+    /// Adds what keeps triangles apart that have crossed.
+    fn hold_apart(&self, found: &Crossings, before: &[DVec3], after: &[DVec3], held: &mut Vec<Limit>) {
+        let (count, triangle) = (self.rest.len(), |t: usize| self.cage.triangles[t]);
+        for &[t, b] in &found.body {
+            let pair = [triangle(t), self.clearance.body_triangle(b)];
+            held.extend(apart(pair, before, after, count, self.clearance.least_of(t)));
+        }
+        for &[a, b] in &found.own {
+            let least = self.clearance.least_of(a).min(self.clearance.least_of(b));
+            held.extend(apart([triangle(a), triangle(b)], before, after, count, least));
+        }
+    }
+
+    /// The mean change of the lengths of edges.
+    fn scale(&self, edges: &[DVec3]) -> f64 {
+        let own: f64 = self.cage.edges.iter().map(|&[a, b]| self.rest[a].distance(self.rest[b])).sum();
+        let wanted: f64 = edges.iter().map(|edge| edge.length()).sum();
+        if own > 0.0 { wanted / own } else { 1.0 }
+    }
+}

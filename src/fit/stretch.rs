@@ -1,0 +1,91 @@
+//! How a body stretches around each point that is bound to it.
+//!
+//! A body may grow around a limb and not along it. The stretch is that of the affine map that takes the body around a place best to
+//! its other shape, less its rotation.
+
+use super::bodies::Bodies;
+use super::rigid::{outer, rotation};
+use glam::{DMat3, DQuat, DVec3};
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+/// How far around a place the body counts, as a share of the diagonal of its box: about all around an arm.
+const REACH: f64 = 0.05;
+/// Share of a similarity in the map, for directions in which the body says little.
+const SIMILARITY: f64 = 0.02;
+
+/// Body vertices around places, with their weights.
+pub struct Surroundings {
+    of: Vec<Vec<(usize, f64)>>,
+}
+
+impl Surroundings {
+    /// The surroundings of vertices of a body, along its edges: an arm is no part of a hip beside it.
+    pub fn new(bodies: &Bodies, places: &[usize]) -> Self {
+        let (points, mut neighbours) = (&bodies.from, vec![Vec::new(); bodies.from.len()]);
+        for &[a, b] in &bodies.edges {
+            let length = points[a].distance(points[b]);
+            neighbours[a].push((b, length));
+            neighbours[b].push((a, length));
+        }
+        let reach = REACH * bodies.size();
+        let area = |own: &Vec<(usize, f64)>| own.iter().map(|n| n.1 * n.1).sum::<f64>() / own.len().max(1) as f64;
+        let areas: Vec<f64> = neighbours.iter().map(area).collect();
+        // A vertex counts for the area around it, less where it is farther away.
+        let weigh = |(v, distance): (usize, f64)| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
+        let around = |&place: &usize| within(&neighbours, place, reach).into_iter().map(weigh).collect();
+        Self { of: places.par_iter().map(around).collect() }
+    }
+
+    /// The stretch around each place from one shape to another, in the space of the first.
+    pub fn stretches(&self, from: &[DVec3], to: &[DVec3]) -> Vec<DMat3> {
+        self.of.par_iter().map(|around| stretch(around, from, to)).collect()
+    }
+}
+
+/// The vertices within a reach of one along edges, with their distances (Dijkstra 1959).
+fn within(neighbours: &[Vec<(usize, f64)>], place: usize, reach: f64) -> Vec<(usize, f64)> {
+    let (mut found, mut best) = (Vec::new(), BTreeMap::from([(place, 0.0)]));
+    // The bits of distances, which are not negative, sort as the distances do.
+    let mut queue = BinaryHeap::from([Reverse((0u64, place))]);
+    while let Some(Reverse((bits, v))) = queue.pop() {
+        let distance = f64::from_bits(bits);
+        if distance > best[&v] {
+            continue;
+        }
+        found.push((v, distance));
+        for &(w, length) in &neighbours[v] {
+            let further = distance + length;
+            if further < reach && best.get(&w).is_none_or(|&least| further < least) {
+                best.insert(w, further);
+                queue.push(Reverse((further.to_bits(), w)));
+            }
+        }
+    }
+    found
+}
+
+/// The stretch of the affine map of weighted points.
+fn stretch(around: &[(usize, f64)], from: &[DVec3], to: &[DVec3]) -> DMat3 {
+    let total: f64 = around.iter().map(|a| a.1).sum();
+    let mean = |points: &[DVec3]| around.iter().map(|&(v, w)| w * points[v]).sum::<DVec3>() / total;
+    let [a, b] = [mean(from), mean(to)];
+    let (mut own, mut cross, mut size) = (DMat3::ZERO, DMat3::ZERO, 0.0);
+    for &(v, w) in around {
+        let (p, q) = (from[v] - a, to[v] - b);
+        own += outer(p, p) * w;
+        cross += outer(q, p) * w;
+        size += w * q.length_squared();
+    }
+    let spread = own.x_axis.x + own.y_axis.y + own.z_axis.z;
+    if spread.is_nan() || spread <= 0.0 {
+        return DMat3::IDENTITY;
+    }
+    let turn = DMat3::from_quat(rotation(&cross, DQuat::IDENTITY));
+    let (share, scale) = (SIMILARITY * spread, (size / spread).sqrt());
+    let map = (cross + turn * (share * scale)) * (own + DMat3::from_diagonal(DVec3::splat(share))).inverse();
+    let turn = DMat3::from_quat(rotation(&map, DQuat::IDENTITY));
+    let stretch = turn.transpose() * map;
+    (stretch + stretch.transpose()) * 0.5
+}

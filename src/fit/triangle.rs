@@ -1,0 +1,67 @@
+//! Triangles and edges in double precision.
+
+use crate::contact::Aabb;
+use glam::DVec3;
+
+/// The point of a triangle with these weights of its corners.
+pub fn at([a, b, c]: [DVec3; 3], weights: DVec3) -> DVec3 {
+    a * weights.x + b * weights.y + c * weights.z
+}
+
+/// The weights of a triangle's corners at its point that is nearest to `p`.
+pub fn closest_weights(corners: [DVec3; 3], p: DVec3) -> DVec3 {
+    let [a, b, c] = corners.map(|corner| (corner - p).as_vec3());
+    crate::sim::closest_weights(a, b, c, glam::Vec3::ZERO).as_dvec3()
+}
+
+/// The shares along two edges where their lines are nearest to each other; none where that is not inside both.
+pub fn closest_shares([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> Option<[f64; 2]> {
+    let (u, v, w) = (b - a, d - c, a - c);
+    let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
+    let determinant = uu * vv - uv * uv;
+    let shares = [(uv * vw - vv * uw) / determinant, (uu * vw - uv * uw) / determinant];
+    // Parallel edges are nearest at their ends, of which triangles know.
+    (determinant > 1e-6 * uu * vv && shares.iter().all(|s| *s > 0.0 && *s < 1.0)).then_some(shares)
+}
+
+/// The way from the second triangle to the first where they are nearest to each other.
+pub fn between(first: [DVec3; 3], second: [DVec3; 3]) -> DVec3 {
+    let to_point = |p: DVec3, t: [DVec3; 3]| p - at(t, closest_weights(t, p));
+    let of_points =
+        first.into_iter().map(|p| to_point(p, second)).chain(second.into_iter().map(|p| -to_point(p, first)));
+    let pairs = sides(first).into_iter().flat_map(|edge| sides(second).map(|other| (edge, other)));
+    let of_edges = pairs.filter_map(|(edge, other)| {
+        let [s, t] = closest_shares(edge, other)?;
+        Some(edge[0].lerp(edge[1], s) - other[0].lerp(other[1], t))
+    });
+    let all = of_points.chain(of_edges);
+    all.min_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::ZERO)
+}
+
+/// Whether two triangles cross: a side of one goes through the other.
+pub fn cross(first: [DVec3; 3], second: [DVec3; 3]) -> bool {
+    let pierces = |t: [DVec3; 3], other: [DVec3; 3]| sides(t).into_iter().any(|side| goes_through(side, other));
+    pierces(first, second) || pierces(second, first)
+}
+
+/// Whether an edge goes through a triangle, by the signs of volumes.
+fn goes_through([from, to]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
+    let normal = (b - a).cross(c - a);
+    let [start, end] = [from, to].map(|p| normal.dot(p - a));
+    if start * end >= 0.0 {
+        return false;
+    }
+    let along = to - from;
+    let volumes = [[a, b], [b, c], [c, a]].map(|[p, q]| along.dot((p - from).cross(q - from)));
+    volumes.iter().all(|v| *v > 0.0) || volumes.iter().all(|v| *v < 0.0)
+}
+
+fn sides([a, b, c]: [DVec3; 3]) -> [[DVec3; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// The box of points.
+pub fn aabb(points: &[DVec3]) -> Aabb {
+    let single = |p: &DVec3| Aabb { low: p.as_vec3a(), high: p.as_vec3a() };
+    points.iter().map(single).fold(Aabb::EMPTY, |all, own| all.merged(&own))
+}

@@ -1,0 +1,43 @@
+//! Bodies in the space of a garment.
+
+use super::read::{Model, Source};
+use super::shot::{StageMetrics, UpAxis};
+use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::garment::{Mesh, check_garment};
+use glam::{DMat4, DQuat, DVec3};
+use std::f64::consts::FRAC_PI_2;
+
+/// A body as a mesh in the space of a garment: its transform, its unit and its up axis are taken over.
+///
+/// # Errors
+/// Faults of the body's mesh, and a transform of the garment that flattens it.
+pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Error> {
+    let (mesh, mut warnings) = body.garment()?;
+    let (mut mesh, of_check) = check_garment(mesh)?;
+    warnings.extend(of_check);
+    let [own, of_body] = [garment, body].map(|source| &source.model);
+    let to_garment = own.transforms.to_world.inverse() * between(of_body, own) * of_body.transforms.to_world;
+    if !to_garment.is_finite() {
+        let fault = Error::new(ErrorKind::Usd, garment.prim(), "it has a transform that flattens it");
+        return Err(fault.code(ErrorCode::MeshSize).remedy("give it scales that are not 0"));
+    }
+    for point in mesh.points.iter_mut() {
+        *point = to_garment.transform_point3(point.as_dvec3()).as_vec3();
+    }
+    Ok((mesh, warnings))
+}
+
+/// From the stage of one model to that of another: their up axes and units, as far as both stages state them.
+fn between(from: &Model, to: &Model) -> DMat4 {
+    let [from, to] = [from, to].map(|model| StageMetrics::of(&model.stage_metadata));
+    let scale = match (from.meters_per_unit, to.meters_per_unit) {
+        (Some(from), Some(to)) => from / to,
+        _ => 1.0,
+    };
+    let turn = match (from.up_axis, to.up_axis) {
+        (Some(UpAxis::Z), Some(UpAxis::Y)) => DQuat::from_rotation_x(-FRAC_PI_2),
+        (Some(UpAxis::Y), Some(UpAxis::Z)) => DQuat::from_rotation_x(FRAC_PI_2),
+        _ => DQuat::IDENTITY,
+    };
+    DMat4::from_scale_rotation_translation(DVec3::splat(scale), turn, DVec3::ZERO)
+}

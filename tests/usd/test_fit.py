@@ -1,0 +1,325 @@
+"""`usdtailor fit`: garments on other bodies. Crossings are found by FCL, which shares no code with ours."""
+
+import json
+import math
+
+import fcl
+import numpy as np
+import pytest
+from conftest import ROOT, run
+from pxr import Gf, Sdf, Usd, UsdGeom
+from sources import add_subset, define
+
+BODIES = ROOT.parent / "shared" / "bodies"
+GARMENTS = ROOT.parent / "shared" / "garments"
+needs_bodies = pytest.mark.skipif(not BODIES.is_dir(), reason=f"{BODIES} is absent: real bodies are NOT tested")
+
+
+class Triangles:
+    """The only mesh of a file as triangles: points, triangles, and the face of each."""
+
+    def __init__(self, path, prim=None):
+        self.stage = Usd.Stage.Open(str(path))
+        meshes = [UsdGeom.Mesh(p) for p in self.stage.Traverse() if p.IsA(UsdGeom.Mesh) and (prim is None or p.GetPath() == prim)]
+        (self.mesh,) = meshes
+        self.points = np.array(self.mesh.GetPointsAttr().Get(), float)
+        counts, corners = (np.array(a.Get()) for a in (self.mesh.GetFaceVertexCountsAttr(), self.mesh.GetFaceVertexIndicesAttr()))
+        starts = np.concatenate([[0], np.cumsum(counts)])
+        fans = [(f, starts[f], starts[f] + k) for f, count in enumerate(counts) for k in range(1, count - 1)]
+        self.face = np.array([f for f, _, _ in fans])
+        self.triangles = np.array([corners[[first, at, at + 1]] for _, first, at in fans])
+        sides = {tuple(sorted((corners[starts[f] + k], corners[starts[f] + (k + 1) % count]))) for f, count in enumerate(counts) for k in range(count)}
+        self.edges = np.array(sorted(sides))
+
+    def model(self):
+        model = fcl.BVHModel()
+        model.beginModel(len(self.points), len(self.triangles))
+        model.addSubModel(self.points, self.triangles)
+        model.endModel()
+        return fcl.CollisionObject(model)
+
+    def lengths(self):
+        return np.linalg.norm(self.points[self.edges[:, 0]] - self.points[self.edges[:, 1]], axis=1)
+
+
+def pairs(a, b):
+    """The triangles of two meshes that cross."""
+    result = fcl.CollisionResult()
+    fcl.collide(a.model(), b.model(), fcl.CollisionRequest(num_max_contacts=10**7, enable_contact=True), result)
+    return {(contact.b1, contact.b2) for contact in result.contacts}
+
+
+def crossings(garment, body):
+    """Faces of a garment that cross a body, and pairs of its faces without a common point that cross each other."""
+    with_body = {garment.face[a] for a, _ in pairs(garment, body)}
+    is_apart = lambda a, b: not set(garment.triangles[a]) & set(garment.triangles[b])  # noqa: E731
+    own = {(garment.face[a], garment.face[b]) for a, b in pairs(garment, garment) if garment.face[a] < garment.face[b] and is_apart(a, b)}
+    return with_body, own
+
+
+def local_lengths(garment, start, end, reach=200):
+    """The lengths of edges as the body changes around them: by the affine map of its nearest points."""
+    middles = garment.points[garment.edges].mean(axis=1)
+    along = garment.points[garment.edges[:, 0]] - garment.points[garment.edges[:, 1]]
+    wanted = np.empty(len(along))
+    for i, middle in enumerate(middles):
+        near = np.argsort(((start - middle) ** 2).sum(axis=1))[:reach]
+        a, b = start[near] - start[near].mean(axis=0), end[near] - end[near].mean(axis=0)
+        scale = math.sqrt((b**2).sum() / (a**2).sum())
+        u, _, v = np.linalg.svd(b.T @ a)
+        share = 0.05 * (a**2).sum()
+        turn = u @ np.diag([1, 1, np.linalg.det(u @ v)]) @ v
+        wanted[i] = np.linalg.norm((b.T @ a + share * scale * turn) @ np.linalg.inv(a.T @ a + share * np.eye(3)) @ along[i])
+    return wanted
+
+
+def fit(usdtailor, *args, code=0):
+    done = run(usdtailor, "fit", *args)
+    assert done.returncode == code, done.stderr
+    return done
+
+
+@needs_bodies
+@pytest.mark.parametrize("name", ["fedora", "shoes01", "female_elegantsuit01", "female_sportsuit01", "male_casualsuit04"])
+def test_nothing_new_crosses_on_other_bodies(usdtailor, tmp_path, name):
+    if not GARMENTS.is_dir():
+        pytest.skip(f"{GARMENTS} is absent: real garments are NOT tested")
+    source, base, bodies = GARMENTS / f"{name}.usdc", BODIES / "base.usdc", ["child", "man_strong_heavy", "woman_old"]
+    out, report = tmp_path / "fitted", tmp_path / "report.json"
+    fit(usdtailor, source, "--from", base, "--to", *(BODIES / f"{body}.usdc" for body in bodies), "-o", out, "--report", report)
+    start, start_body = Triangles(source), Triangles(base)
+    before = crossings(start, start_body)
+    for body, told in zip(bodies, json.loads(report.read_text())["fits"], strict=True):
+        end, end_body = Triangles(out / f"{name}_{body}.usdc"), Triangles(BODIES / f"{body}.usdc")
+        after = crossings(end, end_body)
+        assert not after[0] - before[0] and not after[1] - before[1], (body, after[0] - before[0], after[1] - before[1])
+        (figures,) = told["garments"]
+        for count, was, now in zip((figures["bodyCrossings"], figures["ownCrossings"]), before, after, strict=True):
+            assert abs(count["before"] - len(was)) <= 2 and abs(count["after"] - len(now)) <= 2 and count["new"] == 0
+        ratio = end.lengths() / local_lengths(start, start_body.points, end_body.points)
+        assert (abs(ratio - 1) < 0.15).mean() > 0.8, (body, (abs(ratio - 1) < 0.15).mean())
+        assert figures["edgesKept"] > 0.94
+        assert [prim.GetName() for prim in end.mesh.GetPrim().GetChildren()] == [prim.GetName() for prim in start.mesh.GetPrim().GetChildren()]
+
+
+@needs_bodies
+def test_layers_keep_their_order_and_a_garment_may_be_moved_to_its_body(usdtailor, tmp_path):
+    source = GARMENTS / "male_worksuit01.usdc"
+    if not source.is_file():
+        pytest.skip(f"{source} is absent: real garments are NOT tested")
+    stage = Usd.Stage.CreateNew(str(tmp_path / "moved.usda"))
+    stage.GetRootLayer().subLayerPaths = [str(source)]
+    UsdGeom.Xformable(stage.OverridePrim("/male_worksuit01")).AddTranslateOp(opSuffix="fit").Set((0, -7.8, 0))
+    stage.Save()
+    out = tmp_path / "out.usdc"
+    fit(usdtailor, tmp_path / "moved.usda", "--from", BODIES / "base.usdc", "--to", BODIES / "child.usdc", "-o", out)
+    found = []
+    for path, body in ((tmp_path / "moved.usda", "base"), (out, "child")):
+        garment = Triangles(path)
+        garment.points = garment.points - (0, 7.8, 0)
+        found.append(crossings(garment, Triangles(BODIES / f"{body}.usdc")))
+    assert len(found[0][1]) > 50
+    assert not found[1][0] - found[0][0] and not found[1][1] - found[0][1]
+
+
+def tube(radius, height, around, along, bulge=0.0, uv=False):
+    """A tube about the y axis: points, counts, indices and the UVs of corners."""
+    turn, up = np.meshgrid(np.arange(around), np.arange(along + 1))
+    angle, share = 2 * np.pi * turn.ravel() / around, up.ravel() / along
+    r = radius + bulge * np.sin(np.pi * share)
+    points = np.stack([r * np.sin(angle), height * (share - 0.5), r * np.cos(angle)], axis=1)
+    rows, columns = np.divmod(np.arange(along * around), around)
+    next_column = (columns + 1) % around
+    quads = np.stack([rows * around + columns, rows * around + next_column, (rows + 1) * around + next_column, (rows + 1) * around + columns], axis=1)
+    corner_uvs = np.stack([np.stack([(columns + dx) / around, (rows + dy) / along], axis=1) for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))], axis=1)
+    return (points, np.full(len(quads), 4), quads.ravel()), corner_uvs.reshape(-1, 2)
+
+
+def write_tube(path, shape, uvs=None, *, finish=None, up="Y", unit=0.01, prim="/Coat/model"):
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageUpAxis(stage, up)
+    UsdGeom.SetStageMetersPerUnit(stage, unit)
+    mesh = define(stage, prim, shape)
+    if uvs is not None:
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+        primvar.Set([Gf.Vec2f(*map(float, uv)) for uv in uvs])
+    if finish:
+        finish(mesh)
+    stage.SetDefaultPrim(stage.GetPrimAtPath(Sdf.Path(prim).GetPrefixes()[0]))
+    stage.Save()
+    return path
+
+
+AROUND = 24
+
+
+@pytest.fixture
+def sleeve(tmp_path):
+    """A sleeve on an arm, and arms that it is to fit: `sleeve(finish)` writes them; `finish` gets the sleeve."""
+
+    def sleeve(finish=None, body=None):
+        paths = {
+            "sleeve": write_tube(tmp_path / "sleeve.usda", tube(1.2, 4, AROUND, 10)[0], finish=finish),
+            "arm": write_tube(tmp_path / "arm.usda", *tube(1, 8, 20, 24)),
+            "thick": write_tube(tmp_path / "thick.usda", *tube(1.5, 8, 20, 24, bulge=0.4)),
+            "long": write_tube(tmp_path / "long.usda", *tube(1, 12, 20, 24)),
+            "other": write_tube(tmp_path / "other.usda", *tube(1.5, 8, 30, 37, bulge=0.4)),
+        }
+        return paths
+
+    return sleeve
+
+
+def radii(points):
+    return np.hypot(points[:, 0], points[:, 2])
+
+
+def test_a_sleeve_grows_with_the_arm_and_keeps_its_ease(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "out.usda"
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out)
+    fitted = Triangles(out)
+    _, own = crossings(fitted, Triangles(paths["thick"]))
+    assert not crossings(fitted, Triangles(paths["thick"]))[0] and not own
+    arm = 1.5 + 0.4 * np.sin(np.pi * (fitted.points[:, 1] / 8 + 0.5))
+    assert (radii(fitted.points) > arm).all()
+    # Between the ease that it had and that of the larger arm.
+    assert 0.2 <= np.median(radii(fitted.points) - arm) < 0.2 * 1.9
+    assert abs(np.ptp(fitted.points[:, 1]) - 4) < 0.3
+
+
+def test_a_sleeve_of_a_longer_arm_is_longer_and_as_wide(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "out.usda"
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["long"], "-o", out)
+    fitted = Triangles(out)
+    assert abs(np.ptp(fitted.points[:, 1]) - 6) < 0.2 and abs(radii(fitted.points) - 1.2).max() < 0.1
+
+
+def test_bodies_of_other_faces_correspond_by_their_uvs(usdtailor, sleeve, tmp_path):
+    paths = sleeve()
+    for name in ("thick", "other"):
+        fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths[name], "-o", tmp_path / f"{name}_out.usda")
+    same, other = (Triangles(tmp_path / f"{name}_out.usda").points for name in ("thick", "other"))
+    assert abs(same - other).max() < 0.05
+    assert not crossings(Triangles(tmp_path / "other_out.usda"), Triangles(paths["other"]))[0]
+
+
+def test_a_hem_keeps_its_length_and_buttons_their_shape(usdtailor, sleeve, tmp_path):
+    def sets(mesh):
+        hem = [v for i in range(AROUND) for v in (i, (i + 1) % AROUND)]
+        add_subset(mesh, name="hem", element="edge", family="edges", indices=hem)
+        add_subset(mesh, name="buttons", element="face", indices=[5 * AROUND, 5 * AROUND + 1, 7 * AROUND + 9, 8 * AROUND + 9])
+
+    paths, out, report = sleeve(sets), tmp_path / "out.usda", tmp_path / "report.json"
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--keep-length", "hem", "--rigid", "buttons", "--report", report)
+    before, after = Triangles(paths["sleeve"]), Triangles(out)
+    for corners in ([0, 1, 2, 25, 26, 24], [9, 10, 34, 33, 57, 58]):
+        button = np.array(corners) + (5 if corners[0] == 0 else 7) * AROUND
+        gaps = [np.linalg.norm(m.points[button][:, None] - m.points[button][None], axis=2) for m in (before, after)]
+        assert abs(gaps[0] - gaps[1]).max() < 1e-5
+    (figures,) = json.loads(report.read_text())["garments"]
+    lengths = {entry["name"]: entry for entry in figures["sets"]}
+    assert lengths["hem"]["body"] > 1.3 and lengths["hem"]["length"] < 1.15, lengths
+    assert abs(lengths["buttons"]["length"] - 1) < 1e-4
+
+
+def test_units_axes_and_transforms_of_bodies_are_taken_over(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), {name: tmp_path / f"{name}.usda" for name in ("plain", "turned")}
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out["plain"])
+    for name in ("arm", "thick"):
+        shape, uvs = tube(*((1, 8, 20, 24) if name == "arm" else (1.5, 8, 20, 24, 0.4)))
+        shape[0][:] = np.stack([shape[0][:, 0], -shape[0][:, 2], shape[0][:, 1]], axis=1) / 10 - (0, 0, 3)
+        moved = lambda mesh: UsdGeom.Xformable(mesh).AddTranslateOp().Set((0, 0, 3))  # noqa: E731
+        write_tube(tmp_path / f"{name}_z.usda", shape, uvs, up="Z", unit=0.1, finish=moved)
+    fit(usdtailor, paths["sleeve"], "--from", tmp_path / "arm_z.usda", "--to", tmp_path / "thick_z.usda", "-o", out["turned"])
+    assert abs(Triangles(out["plain"]).points - Triangles(out["turned"]).points).max() < 0.01
+
+
+def test_the_layer_is_a_garment_with_new_points_alone(usdtailor, sleeve, tmp_path):
+    def finish(mesh):
+        mesh.CreateNormalsAttr([(0, 0, 1)] * (11 * AROUND))
+        add_subset(mesh, name="front", element="face", indices=list(range(10)))
+
+    paths, out = sleeve(finish), tmp_path / "out.usda"
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out)
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    assert {p.name for p in layer.GetPrimAtPath("/Coat/model").properties} == {"points", "extent", "normals"}
+    fitted = Triangles(out)
+    mesh = fitted.mesh
+    assert mesh.GetNormalsAttr().Get() is None and UsdGeom.Subset(mesh.GetPrim().GetChild("front")).GetIndicesAttr().Get() == list(range(10))
+    assert np.allclose(mesh.GetExtentAttr().Get(), UsdGeom.Mesh.ComputeExtent(mesh.GetPointsAttr().Get()))
+    built = run(usdtailor, "build", out, "-o", tmp_path / "built.usda", "--strict")
+    assert built.returncode == 0, built.stderr
+    sim = np.array(UsdGeom.Mesh(Usd.Stage.Open(str(tmp_path / "built.usda")).GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())
+    assert radii(sim).min() > 1.5
+
+
+def test_panels_that_are_sewn_stay_together(usdtailor, tmp_path):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "sewn.usda"))
+    UsdGeom.SetStageUpAxis(stage, "Y")
+    (points, _, quads), _ = tube(1.2, 4, AROUND, 10)
+    quads = quads.reshape(-1, 4)
+    for name, half, lift in (("front", quads[quads[:, 0] % AROUND < AROUND // 2], 0), ("back", quads[quads[:, 0] % AROUND >= AROUND // 2], 5)):
+        used, corners = np.unique(half, return_inverse=True)
+        mesh = define(stage, f"/Coat/{name}", (points[used] - (0, lift, 0), np.full(len(half), 4), corners.ravel()))
+        UsdGeom.Xformable(mesh).AddTranslateOp().Set((0, lift, 0))
+    stage.Save()
+    arms = [write_tube(tmp_path / f"{name}.usda", *tube(r, 8, 20, 24)) for name, r in (("arm", 1), ("thick", 1.5))]
+    out = tmp_path / "out.usda"
+    fit(usdtailor, tmp_path / "sewn.usda", "--all", "--from", arms[0], "--to", arms[1], "-o", out)
+    halves = [Triangles(out, f"/Coat/{name}").points + (0, lift, 0) for name, lift in (("front", 0), ("back", 5))]
+    gaps = np.linalg.norm(halves[0][:, None] - halves[1][None], axis=2).min(axis=1)
+    assert (gaps < 1e-5).sum() == 22 and radii(np.concatenate(halves)).min() > 1.5
+
+
+def test_outputs_are_the_same_at_any_number_of_threads(usdtailor, sleeve, tmp_path):
+    paths, outs = sleeve(), [tmp_path / f"{n}.usda" for n in (1, 3)]
+    for n, out in zip((1, 3), outs, strict=True):
+        fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--threads", n)
+    assert outs[0].read_bytes() == outs[1].read_bytes()
+
+
+def test_what_is_wrong_with_bodies_is_told_and_nothing_is_written(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "out.usda"
+    bare = write_tube(tmp_path / "bare.usda", tube(1.5, 8, 30, 37)[0])
+    elsewhere = write_tube(tmp_path / "elsewhere.usda", tube(1.5, 8, 30, 37)[0], tube(1.5, 8, 30, 37)[1] + 3)
+    broken = write_tube(tmp_path / "broken.usda", tube(math.nan, 8, 20, 24)[0])
+    for body, words in ((bare, "no UV set in common"), (elsewhere, "are on no face"), (broken, "not finite"), (tmp_path / "none.usda", "none.usda")):
+        done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", body, "-o", out, code=1)
+        assert words in done.stderr and not out.exists(), done.stderr
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--rigid", "buttons", code=1)
+    assert "buttons" in done.stderr and not out.exists()
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", paths["sleeve"], "--force", code=1)
+    assert "input" in done.stderr
+
+
+def test_a_garment_that_is_not_on_its_body_is_told(usdtailor, sleeve, tmp_path):
+    far = write_tube(tmp_path / "far.usda", tube(1.2, 4, AROUND, 10)[0], finish=lambda mesh: UsdGeom.Xformable(mesh).AddTranslateOp().Set((40, 0, 0)))
+    inside = write_tube(tmp_path / "inside.usda", tube(0.8, 4, AROUND, 10)[0])
+    for source, words in ((far, "away from the body"), (inside, "inside the body")):
+        paths, out = sleeve(), tmp_path / "out.usda"
+        done = fit(usdtailor, source, "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--force")
+        assert "off-body" in done.stderr and words in done.stderr, done.stderr
+        out.unlink()
+        fit(usdtailor, source, "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--strict", code=1)
+        assert not out.exists()
+
+
+def test_a_body_may_have_holes(usdtailor, sleeve, tmp_path):
+    holes = {}
+    for name, radius in (("arm", 1), ("thick", 1.5)):
+        (points, counts, quads), _ = tube(radius, 8, 20, 24)
+        kept = np.delete(quads.reshape(-1, 4), [105, 106, 230, 333], axis=0)
+        holes[name] = write_tube(tmp_path / f"{name}_holes.usda", (points, counts[: len(kept)], kept.ravel()))
+    out = tmp_path / "out.usda"
+    fit(usdtailor, sleeve()["sleeve"], "--from", holes["arm"], "--to", holes["thick"], "-o", out, "--strict")
+    assert radii(Triangles(out).points).min() > 1.5
+
+
+def test_several_bodies_make_a_folder_and_a_bad_one_does_not_stop_the_others(usdtailor, sleeve, tmp_path):
+    paths, out, report = sleeve(), tmp_path / "made/here", tmp_path / "report.json"
+    bodies = [paths["thick"], tmp_path / "none.usda", paths["long"]]
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", *bodies, "-o", out, "--report", report, code=1)
+    assert sorted(p.name for p in out.iterdir()) == ["sleeve_long.usdc", "sleeve_thick.usdc"] and "none.usda" in done.stderr
+    assert [entry["status"] for entry in json.loads(report.read_text())["fits"]] == ["fitted", "failed", "fitted"]
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["thick"], "-o", tmp_path / "twice", code=1)
+    assert "two outputs" in done.stderr and not (tmp_path / "twice").exists()
