@@ -7,7 +7,7 @@ from importlib.metadata import version as _version
 
 from ._command import TailorError, start
 from ._plugin import plugin_path, register
-from ._run import Built, Elements, bake, build, check, drive, info, options, sets
+from ._run import Built, Elements, Fitted, bake, build, check, drive, fit, info, options, sets
 
-__all__ = ["Built", "Elements", "TailorError", "bake", "build", "check", "drive", "info", "options", "plugin_path", "register", "sets", "start"]
+__all__ = ["Built", "Elements", "Fitted", "TailorError", "bake", "build", "check", "drive", "fit", "info", "options", "plugin_path", "register", "sets", "start"]
 __version__ = _version("usd-tailor")

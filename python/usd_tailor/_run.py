@@ -81,6 +81,57 @@ def build(
         return Built(_detached(written), report)
 
 
+@dataclass(frozen=True)
+class Fitted:
+    """A garment on another body."""
+
+    layer: "Sdf.Layer | None"
+    """The new points, over the garment's file. None where usd-core is not installed."""
+    report: dict[str, Any]
+    """Crossings, distances, lengths, angles and warnings, as ``usdtailor fit --report`` writes them."""
+
+
+def fit(
+    garment: "str | os.PathLike[str]",
+    body: "str | os.PathLike[str]",
+    to: "str | os.PathLike[str]",
+    output: "str | os.PathLike[str]",
+    *,
+    rigid: Sequence[str] = (),
+    keep_length: Sequence[str] = (),
+    prim: "str | None" = None,
+    all: bool = False,
+    body_prim: "str | None" = None,
+    force: bool = False,
+) -> Fitted:
+    """Moves a garment to another body, as ``usdtailor fit`` does.
+
+    Args:
+        garment: The file of the garment.
+        body: The file of the body that it was made for.
+        to: The file of the body that it is to fit, with the same faces or a common UV set.
+        output: The file to write. ``force`` overwrites it.
+        rigid: Sets whose connected parts move as wholes.
+        keep_length: Sets whose edges keep their lengths.
+        prim: Path of the mesh, if there are several.
+        all: All meshes; panels whose borders coincide are sewn.
+        body_prim: Path of the mesh in the files of bodies.
+
+    Raises:
+        TailorError: The garment, a body or the output is refused. Nothing is written then.
+    """
+    arguments = ["fit", os.fspath(garment), "--from", os.fspath(body), "--to", os.fspath(to), "-o", os.fspath(output), "--quiet", "--report", "-"]
+    arguments += _arguments(prim=prim, all=all) + (["--body-prim", body_prim] if body_prim else []) + (["--force"] if force else [])
+    for flag, names in (("--rigid", rigid), ("--keep-length", keep_length)):
+        arguments += [part for name in names for part in (flag, name)]
+    report: dict[str, Any] = json.loads(run(arguments))
+    try:
+        from pxr import Sdf
+    except ModuleNotFoundError:
+        return Fitted(None, report)
+    return Fitted(_opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force), report)
+
+
 def info(source: Source, **arguments: Any) -> dict[str, Any]:
     """What garments hold, and the meshes that :func:`build` would make: the JSON of ``usdtailor info``.
 

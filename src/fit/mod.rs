@@ -1,8 +1,8 @@
 //! A garment made for one body, fitted to another.
 //!
-//! The cage is as rigid as possible while the body changes in small steps ([`path`]). Its edges stretch as the body does around them
-//! ([`stretch`]), and nothing that crosses nothing at the start may cross the body or another part of the garment
-//! ([`contacts`]).
+//! The cage is as rigid as possible while the body changes in small steps (`path`). Its edges stretch as the body does around them
+//! (`stretch`), and nothing that crosses nothing at the start may cross the body or another part of the garment
+//! (`contacts`).
 
 mod bodies;
 mod bound;

@@ -77,7 +77,7 @@ impl<'a> Path<'a> {
                     step = (2 * step).min(1 << MOST_CUTS);
                 }
                 None if step > 1 => step /= 2,
-                // What could not follow is told by the report.
+                // The report has what could not follow.
                 None => {
                     state.share = shape_share;
                     at = next;

@@ -49,7 +49,7 @@ pub struct Goal<'a> {
 /// A gap that may not be less than zero: the product of a normal and a weighted sum of vertices of the cage, and a number.
 #[derive(Clone, Debug)]
 pub struct Limit {
-    /// Those without a weight are no part of it.
+    /// Those without a weight do not count.
     pub terms: [(usize, f64); 4],
     pub normal: DVec3,
     pub constant: f64,

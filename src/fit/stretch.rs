@@ -21,7 +21,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The surroundings of vertices of a body, along its edges: an arm is no part of a hip beside it.
+    /// The surroundings of vertices of a body, along its edges: an arm beside a hip does not count for it.
     pub fn new(bodies: &Bodies, places: &[usize]) -> Self {
         let (points, mut neighbours) = (&bodies.from, vec![Vec::new(); bodies.from.len()]);
         for &[a, b] in &bodies.edges {

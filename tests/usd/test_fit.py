@@ -157,15 +157,15 @@ AROUND = 24
 def sleeve(tmp_path):
     """A sleeve on an arm, and arms that it is to fit: `sleeve(finish)` writes them; `finish` gets the sleeve."""
 
-    def sleeve(finish=None, body=None):
-        paths = {
+    def sleeve(finish=None):
+        return {
             "sleeve": write_tube(tmp_path / "sleeve.usda", tube(1.2, 4, AROUND, 10)[0], finish=finish),
             "arm": write_tube(tmp_path / "arm.usda", *tube(1, 8, 20, 24)),
             "thick": write_tube(tmp_path / "thick.usda", *tube(1.5, 8, 20, 24, bulge=0.4)),
+            "plump": write_tube(tmp_path / "plump.usda", *tube(1.12, 8, 20, 24)),
             "long": write_tube(tmp_path / "long.usda", *tube(1, 12, 20, 24)),
             "other": write_tube(tmp_path / "other.usda", *tube(1.5, 8, 30, 37, bulge=0.4)),
         }
-        return paths
 
     return sleeve
 
@@ -210,7 +210,7 @@ def test_a_hem_keeps_its_length_and_buttons_their_shape(usdtailor, sleeve, tmp_p
         add_subset(mesh, name="buttons", element="face", indices=[5 * AROUND, 5 * AROUND + 1, 7 * AROUND + 9, 8 * AROUND + 9])
 
     paths, out, report = sleeve(sets), tmp_path / "out.usda", tmp_path / "report.json"
-    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--keep-length", "hem", "--rigid", "buttons", "--report", report)
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["plump"], "-o", out, "--keep-length", "hem", "--rigid", "buttons", "--report", report)
     before, after = Triangles(paths["sleeve"]), Triangles(out)
     for corners in ([0, 1, 2, 25, 26, 24], [9, 10, 34, 33, 57, 58]):
         button = np.array(corners) + (5 if corners[0] == 0 else 7) * AROUND
@@ -218,7 +218,7 @@ def test_a_hem_keeps_its_length_and_buttons_their_shape(usdtailor, sleeve, tmp_p
         assert abs(gaps[0] - gaps[1]).max() < 1e-5
     (figures,) = json.loads(report.read_text())["garments"]
     lengths = {entry["name"]: entry for entry in figures["sets"]}
-    assert lengths["hem"]["body"] > 1.3 and lengths["hem"]["length"] < 1.15, lengths
+    assert lengths["hem"]["body"] > 1.1 and abs(lengths["hem"]["length"] - 1) < 0.02, lengths
     assert abs(lengths["buttons"]["length"] - 1) < 1e-4
 
 
@@ -247,10 +247,9 @@ def test_the_layer_is_a_garment_with_new_points_alone(usdtailor, sleeve, tmp_pat
     mesh = fitted.mesh
     assert mesh.GetNormalsAttr().Get() is None and UsdGeom.Subset(mesh.GetPrim().GetChild("front")).GetIndicesAttr().Get() == list(range(10))
     assert np.allclose(mesh.GetExtentAttr().Get(), UsdGeom.Mesh.ComputeExtent(mesh.GetPointsAttr().Get()))
-    built = run(usdtailor, "build", out, "-o", tmp_path / "built.usda", "--strict")
+    built = run(usdtailor, "build", out, "-o", tmp_path / "built.usda")
     assert built.returncode == 0, built.stderr
-    sim = np.array(UsdGeom.Mesh(Usd.Stage.Open(str(tmp_path / "built.usda")).GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())
-    assert radii(sim).min() > 1.5
+    assert radii(Triangles(tmp_path / "built.usda", "/Coat/sim").points).min() > 1.5
 
 
 def test_panels_that_are_sewn_stay_together(usdtailor, tmp_path):

@@ -307,6 +307,21 @@ def test_a_check_tells_the_fault_of_a_garment_and_does_not_raise_it(tmp_path):
     assert "/Asset/model" in json.dumps(found["error"])
 
 
+def test_a_garment_is_fitted_to_another_body(tmp_path):
+    for name, scale in (("body", 1), ("large", 1.2)):
+        stage = Usd.Stage.CreateNew(str(tmp_path / f"{name}.usda"))
+        stage.GetRootLayer().subLayerPaths = [str(EXAMPLES / "tshirt.usda")]
+        UsdGeom.SetStageUpAxis(stage, "Y")
+        UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+        mesh = UsdGeom.Mesh(stage.OverridePrim("/Tshirt/model"))
+        mesh.GetPointsAttr().Set([scale * 0.97 * (p - (0, 110, 0)) + (0, 110, 0) for p in mesh.GetPointsAttr().Get()])
+        stage.Save()
+    made = usd_tailor.fit(EXAMPLES / "tshirt.usda", tmp_path / "body.usda", tmp_path / "large.usda", tmp_path / "out.usda", keep_length=["borders.lowest"])
+    assert made.report["status"] == "fitted" and made.report["garments"][0]["bodyCrossings"]["new"] == 0
+    before, after = (UsdGeom.Mesh(Usd.Stage.Open(str(path)).GetPrimAtPath("/Tshirt/model")).GetExtentAttr().Get() for path in (EXAMPLES / "tshirt.usda", made.layer.realPath))
+    assert (after[1] - after[0])[0] > 1.1 * (before[1] - before[0])[0]
+
+
 def test_a_cache_drives_the_render_mesh(tmp_path):
     built = usd_tailor.build(EXAMPLES / "tshirt.usda", tmp_path / "garment.usda")
     stage = Usd.Stage.Open(built.layer)

@@ -218,6 +218,7 @@ export type ErrorCode =
   | "no-border"
   | "too-large"
   | "unusable-panels"
+  | "bodies-differ"
   | "pin-target"
   | "not-bound"
   | "stale-binding"
@@ -788,4 +789,6 @@ export type WarningCode =
   | "schema-without-sets"
   | "unattached"
   | "unsewn-borders"
+  | "off-body"
+  | "fit-crosses"
   | "threads-capped";
