@@ -9,12 +9,13 @@ use crate::garment::Elements;
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
 use crate::session::OpenGarment;
-use crate::usd::{FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_fitted};
+use crate::usd::{BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_fitted};
 use clap::Args;
 use glam::Vec3;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::time::SystemTime;
 
 /// The name of a report that is printed.
 const STDOUT: &str = "-";
@@ -45,6 +46,9 @@ pub struct Fit {
     /// Overwrite an existing output; the input is never overwritten
     #[arg(long, help_heading = "Output")]
     force: bool,
+    /// Leave outputs that were made of the same files with the same options and version
+    #[arg(long, help_heading = "Output")]
+    skip_fresh: bool,
     /// Write crossings, distances, lengths and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
@@ -88,6 +92,11 @@ pub fn run(command: &Fit) -> Result<Output, Error> {
     let (mut text, mut reports, mut code) = (String::new(), Vec::with_capacity(tasks.len()), 0);
     for task in &tasks {
         let label = (tasks.len() > 1).then_some(&task.output);
+        if command.skip_fresh && is_fresh(command, task) {
+            text += &format!("{}: fresh\n", task.output.display());
+            reports.push(with_files(command, task, json!({ "status": "fresh" })));
+            continue;
+        }
         match fit_one(command, task) {
             Ok(garments) => {
                 let warnings = garments.iter().flat_map(|done| done.warnings.worst_first());
@@ -147,8 +156,42 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     pairs.into_iter().map(task).collect()
 }
 
+/// Whether the output was made by this program of these files with these options.
+fn is_fresh(command: &Fit, task: &Task) -> bool {
+    BuildRecord::of(&task.output).is_some_and(|record| {
+        request(command, task).is_ok_and(|request| request == record.request())
+            && record.changes(&task.output).is_ok_and(|changes| changes.is_empty())
+    })
+}
+
+/// The options that shape an output, as its record has them. Those of reading have the names that a build gives them.
+fn request(command: &Fit, task: &Task) -> Result<String, Error> {
+    let inputs = &command.inputs;
+    let path = |file: &Path| BuildRecord::path_of(file, &task.output);
+    let request = json!({
+        "input": path(&task.input)?,
+        "recipe": inputs.recipe.as_deref().map(path).transpose()?,
+        "prim": inputs.prim,
+        "time": inputs.time,
+        "set": inputs.input(&task.input).overrides,
+        "all": inputs.several.all,
+        "exclude": inputs.several.exclude,
+        "sewTolerance": inputs.several.sew_tolerance,
+        "fit": {
+            "from": path(&command.from)?,
+            "to": path(&task.to)?,
+            "bodyPrim": command.body_prim,
+            "rigid": command.rigid,
+            "keepLength": command.keep_length,
+            "strict": command.strict,
+        },
+    });
+    Ok(request.to_string())
+}
+
 /// Fits the garments of one input and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
+    let started = SystemTime::now();
     let opened = command.inputs.open(&task.input)?;
     check_target(&opened[0].source, &task.output, command.force)?;
     let body = |file: &Path| {
@@ -156,6 +199,9 @@ fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
         Source::open(file, &read)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
+    let read: Vec<Source> = opened.iter().map(|garment| garment.source.clone()).chain(bodies.iter().cloned()).collect();
+    let recipes: Vec<PathBuf> = command.inputs.recipe.iter().cloned().collect();
+    let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
     let mut garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
     if command.strict {
@@ -163,7 +209,7 @@ fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     }
     let all: Vec<_> =
         garments.iter().map(|done| FittedGarment { source: &done.source, points: &done.points }).collect();
-    let warnings = write_fitted(&all, &task.output, command.force)?;
+    let warnings = write_fitted(&all, &record, &task.output, command.force)?;
     if let Some(last) = garments.last_mut() {
         last.warnings.extend(warnings);
     }

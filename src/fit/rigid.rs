@@ -21,8 +21,9 @@ const MOST_STEPS: usize = 1000;
 const RESIDUAL: f64 = 1e-4;
 /// Halvings of the interval of a line search.
 const HALVINGS: usize = 20;
-/// Iterations for a rotation at most.
+/// Iterations for a rotation at most, and the share of the matrix that keeps their steps finite.
 const TURNS: usize = 20;
+const LEAST_SHARE: f64 = 1e-9;
 
 /// A cage at rest.
 pub struct RigidCage<'a> {
@@ -176,24 +177,13 @@ impl<'a> RigidCage<'a> {
         0.5 * (low + high)
     }
 
+    /// The points of least energy with some limits as springs, by conjugate gradients from the points before.
     fn gradients(&self, active: &[(&Limit, f64)], right: &[DVec3], points: &mut [DVec3]) {
-        let mut right = right.to_vec();
-        let mut blocks: Vec<DMat3> = self.pull.iter().map(|&pull| DMat3::from_diagonal(DVec3::splat(pull))).collect();
-        for (&[i, j], &weight) in self.edges.iter().zip(&self.weights) {
-            [i, j].into_iter().for_each(|v| blocks[v] += DMat3::from_diagonal(DVec3::splat(weight)));
-        }
-        for (limit, shift) in active {
-            for &(v, weight) in limit.terms.iter().filter(|term| term.1 != 0.0) {
-                let along = weight * limit.normal;
-                right[v] += LIMIT_WEIGHT * (shift - limit.constant) * along;
-                blocks[v] += outer(along, along) * LIMIT_WEIGHT;
-            }
-        }
-        let inverse: Vec<DMat3> = blocks.iter().map(DMat3::inverse).collect();
+        let (right, inverse) = self.system(active, right);
         let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
+        let preconditioned = |r: &[DVec3]| r.iter().zip(&inverse).map(|(r, m)| *m * *r).collect::<Vec<_>>();
         let product = self.product(active, points);
         let mut residual: Vec<DVec3> = right.iter().zip(&product).map(|(r, p)| *r - *p).collect();
-        let preconditioned = |r: &[DVec3]| r.iter().zip(&inverse).map(|(r, m)| *m * *r).collect::<Vec<_>>();
         let mut z = preconditioned(&residual);
         let mut along = z.clone();
         let mut rz = dot(&residual, &z);
@@ -216,6 +206,23 @@ impl<'a> RigidCage<'a> {
         }
     }
 
+    /// The right side with the limits, and the inverses of the blocks of the system's diagonal.
+    fn system(&self, active: &[(&Limit, f64)], right: &[DVec3]) -> (Vec<DVec3>, Vec<DMat3>) {
+        let mut right = right.to_vec();
+        let mut blocks: Vec<DMat3> = self.pull.iter().map(|&pull| DMat3::from_diagonal(DVec3::splat(pull))).collect();
+        for (&[i, j], &weight) in self.edges.iter().zip(&self.weights) {
+            [i, j].into_iter().for_each(|v| blocks[v] += DMat3::from_diagonal(DVec3::splat(weight)));
+        }
+        for (limit, shift) in active {
+            for &(v, weight) in limit.terms.iter().filter(|term| term.1 != 0.0) {
+                let along = weight * limit.normal;
+                right[v] += LIMIT_WEIGHT * (shift - limit.constant) * along;
+                blocks[v] += outer(along, along) * LIMIT_WEIGHT;
+            }
+        }
+        (right, blocks.iter().map(DMat3::inverse).collect())
+    }
+
     /// The product of the system with a vector.
     fn product(&self, active: &[(&Limit, f64)], vector: &[DVec3]) -> Vec<DVec3> {
         let mut product: Vec<DVec3> = self.pull.iter().zip(vector).map(|(pull, x)| *pull * *x).collect();
@@ -235,12 +242,13 @@ impl<'a> RigidCage<'a> {
 /// The rotation nearest to a matrix, from one before (Müller et al. 2016, *A Robust Method to Extract the Rotational Part of
 /// Deformations*).
 pub fn rotation(matrix: &DMat3, mut turn: DQuat) -> DQuat {
+    let least = LEAST_SHARE * (matrix.x_axis.length() + matrix.y_axis.length() + matrix.z_axis.length());
     for _ in 0..TURNS {
         let own = DMat3::from_quat(turn);
         let pairs = [(own.x_axis, matrix.x_axis), (own.y_axis, matrix.y_axis), (own.z_axis, matrix.z_axis)];
         let moment: DVec3 = pairs.iter().map(|(a, b)| a.cross(*b)).sum();
         let length: f64 = pairs.iter().map(|(a, b)| a.dot(*b)).sum::<f64>().abs();
-        let by = moment / (length + 1e-12);
+        let by = moment / (length + least).max(f64::MIN_POSITIVE);
         let angle = by.length();
         if angle.is_nan() || angle <= 1e-9 {
             break;
@@ -253,4 +261,79 @@ pub fn rotation(matrix: &DMat3, mut turn: DQuat) -> DQuat {
 /// The matrix of the products of two vectors.
 pub fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Mesh;
+    use crate::mesh::{Elements, FaceId, Faces, VertexId};
+    use glam::Vec3;
+
+    /// A flat sheet of n by n quads.
+    fn sheet(n: usize) -> Mesh {
+        let corner = |i: usize| (i / n) * (n + 1) + i % n;
+        let quads = (0..n * n).flat_map(|i| [0, 1, n + 2, n + 1].map(|k| VertexId::new(corner(i) + k)));
+        let points = (0..(n + 1) * (n + 1)).map(|i| Vec3::new((i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0));
+        Mesh { points: points.collect(), faces: Faces::quads(quads.collect::<Vec<_>>()), ..Mesh::default() }
+    }
+
+    /// The sheet after some rounds with its targets at `targets` and with `limits`.
+    fn solved(mesh: &Mesh, options: &FitOptions, target: impl Fn(DVec3) -> DVec3, limits: Vec<Limit>) -> Vec<DVec3> {
+        let (cage, rest) = (Cage::new(mesh), mesh.points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>());
+        let rigid = RigidCage::new(&cage, &rest, vec![0.1; rest.len()], options);
+        let edges = rigid.kept(cage.edges.iter().map(|&[a, b]| target(rest[a]) - target(rest[b])).collect());
+        let targets: Vec<DVec3> = rest.iter().map(|&p| target(p)).collect();
+        let goal = Goal { targets: &targets, edges: &edges, limits };
+        let (mut points, mut turns) = (rest.clone(), vec![DQuat::IDENTITY; rest.len()]);
+        for _ in 0..20 {
+            rigid.turns(&edges, &points, &mut turns);
+            rigid.solve(&goal, &turns, &mut points);
+        }
+        rigid.snap(&mut points);
+        points
+    }
+
+    #[test]
+    fn limits_that_contradict_nothing_hold() {
+        let mesh = sheet(6);
+        // A floor under every vertex that is above their targets at one end, and across the sheet at the other.
+        let floor = |v: usize| Limit {
+            terms: [(v, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)],
+            normal: DVec3::Z,
+            constant: 2.0 - 0.5 * (v % 7) as f64,
+        };
+        let points = solved(&mesh, &FitOptions::default(), |p| p - 3.0 * DVec3::Z, (0..49).map(floor).collect());
+        for (v, point) in points.iter().enumerate() {
+            assert!(floor(v).value(&points) > -1e-3, "vertex {v} at {point}");
+        }
+        // It is no higher than it has to be.
+        assert!(points.iter().all(|p| p.z < 1.2), "{points:?}");
+    }
+
+    #[test]
+    fn rigid_parts_keep_their_shape_and_the_others_grow() {
+        let mesh = sheet(6);
+        let button = [7, 8, 13].map(FaceId::new).to_vec();
+        let options = FitOptions { rigid: vec![Elements::Faces(button.clone())], ..FitOptions::default() };
+        let turn = DQuat::from_rotation_y(0.7);
+        let points = solved(&mesh, &options, |p| turn * (p * 1.5), Vec::new());
+        let of_button: Vec<usize> = button.iter().flat_map(|&f| mesh.faces.vertices_of(f)).map(|v| v.index()).collect();
+        let rest: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
+        for &a in &of_button {
+            let gap = |points: &[DVec3]| points[a].distance(points[of_button[0]]);
+            assert!((gap(&points) - gap(&rest)).abs() < 1e-9);
+        }
+        assert!((points[47].distance(points[48]) - 1.5).abs() < 0.05);
+    }
+
+    #[test]
+    fn a_rotation_is_found_at_any_scale() {
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, -2.0, 0.5).normalize(), 2.0);
+        for scale in [1e-14, 1.0, 1e14] {
+            let stretch = DMat3::from_diagonal(DVec3::new(1.0, 2.0, 0.3) * scale);
+            let found = rotation(&(DMat3::from_quat(turn) * stretch), DQuat::IDENTITY);
+            assert!(found.dot(turn).abs() > 1.0 - 1e-9, "{found} at {scale}");
+        }
+    }
 }

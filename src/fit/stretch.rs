@@ -89,3 +89,46 @@ fn stretch(around: &[(usize, f64)], from: &[DVec3], to: &[DVec3]) -> DMat3 {
     let stretch = turn.transpose() * map;
     (stretch + stretch.transpose()) * 0.5
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tube of vertices about the y axis, with its edges.
+    fn tube(radius: f64, height: f64) -> (Vec<DVec3>, Vec<[usize; 2]>) {
+        let at = |i: usize| {
+            let (sin, cos) = (std::f64::consts::TAU * (i % 12) as f64 / 12.0).sin_cos();
+            DVec3::new(radius * sin, height * (i / 12) as f64 / 40.0, radius * cos)
+        };
+        let around = (0..480).map(|i| [i, 12 * (i / 12) + (i + 1) % 12]);
+        ((0..480).map(at).collect(), around.chain((0..468).map(|i| [i, i + 12])).collect())
+    }
+
+    #[test]
+    fn a_limb_that_grows_around_and_not_along_stretches_so() {
+        let ((from, edges), (to, _)) = (tube(0.5, 20.0), tube(0.8, 20.0));
+        let turn = DQuat::from_axis_angle(DVec3::new(1.0, 1.0, 0.0).normalize(), 1.0);
+        let to: Vec<DVec3> = to.into_iter().map(|p| turn * p + DVec3::X).collect();
+        let bodies = Bodies { edges, from, to, ..Bodies::default() };
+        let [stretch] = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[..] else {
+            panic!("one place has one stretch")
+        };
+        for (direction, wanted) in [(DVec3::X, 1.6), (DVec3::Y, 1.0), (DVec3::Z, 1.6)] {
+            let own = (stretch * direction).length();
+            assert!((own - wanted).abs() < 0.06, "{own}, not {wanted} along {direction}");
+        }
+    }
+
+    #[test]
+    fn a_part_that_no_edge_joins_does_not_count() {
+        let (mut from, mut edges) = tube(0.5, 20.0);
+        let (others, of_others) = tube(0.5, 20.0);
+        let mut to = from.clone();
+        edges.extend(of_others.into_iter().map(|edge| edge.map(|v| v + 480)));
+        to.extend(others.iter().map(|p| *p * 3.0));
+        from.extend(others.into_iter().map(|p| p + 0.6 * DVec3::X));
+        let bodies = Bodies { edges, from, to, ..Bodies::default() };
+        let stretch = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[0];
+        assert!((stretch - DMat3::IDENTITY).x_axis.length() < 1e-6, "{stretch}");
+    }
+}

@@ -65,3 +65,19 @@ pub fn aabb(points: &[DVec3]) -> Aabb {
     let single = |p: &DVec3| Aabb { low: p.as_vec3a(), high: p.as_vec3a() };
     points.iter().map(single).fold(Aabb::EMPTY, |all, own| all.merged(&own))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_cross_where_a_side_goes_through() {
+        let flat = [DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y];
+        let upright = |x: f64, low: f64| [DVec3::new(x, 0.5, low), DVec3::new(x, 0.6, 1.0), DVec3::new(x, 0.4, 1.0)];
+        assert!(cross(flat, upright(0.5, -0.1)) && cross(upright(0.5, -0.1), flat));
+        assert!(!cross(flat, upright(0.5, 0.1)) && !cross(flat, upright(1.7, -0.1)));
+        let away = between(upright(0.5, 0.1), flat);
+        assert!(away.distance(0.1 * DVec3::Z) < 1e-6, "{away}");
+        assert!(between(flat, upright(0.5, 0.1)).distance(-0.1 * DVec3::Z) < 1e-6);
+    }
+}

@@ -33,6 +33,9 @@ use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// The vertex primvar of a fitted garment's points on the body that it was made for.
+pub const FIT_FROM: &str = "tailor:fitFrom";
+
 /// The winding of faces seen from the front, as `UsdGeomGprim.orientation`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {

@@ -85,6 +85,8 @@ pub const NORMAL_OFFSETS: &str = "normalOffsets";
 pub const POINT_INDICES: &str = "pointIndices";
 /// Namespace of a blend shape's inbetweens.
 pub const INBETWEENS: &str = "inbetweens:";
+/// The points of a fitted garment on the body that it was made for.
+pub const FIT_FROM: &str = "primvars:tailor:fitFrom";
 /// The sharpness that the edges or points of a subset had as creases or corners.
 pub const SHARPNESS: &str = "tailor:sharpness";
 /// Vertices of the simulation mesh that hold loose pieces.

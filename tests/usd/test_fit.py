@@ -242,7 +242,7 @@ def test_the_layer_is_a_garment_with_new_points_alone(usdtailor, sleeve, tmp_pat
     paths, out = sleeve(finish), tmp_path / "out.usda"
     fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out)
     layer = Sdf.Layer.FindOrOpen(str(out))
-    assert {p.name for p in layer.GetPrimAtPath("/Coat/model").properties} == {"points", "extent", "normals"}
+    assert {p.name for p in layer.GetPrimAtPath("/Coat/model").properties} == {"points", "extent", "normals", "primvars:tailor:fitFrom"}
     fitted = Triangles(out)
     mesh = fitted.mesh
     assert mesh.GetNormalsAttr().Get() is None and UsdGeom.Subset(mesh.GetPrim().GetChild("front")).GetIndicesAttr().Get() == list(range(10))
@@ -250,6 +250,29 @@ def test_the_layer_is_a_garment_with_new_points_alone(usdtailor, sleeve, tmp_pat
     built = run(usdtailor, "build", out, "-o", tmp_path / "built.usda")
     assert built.returncode == 0, built.stderr
     assert radii(Triangles(tmp_path / "built.usda", "/Coat/sim").points).min() > 1.5
+
+
+def test_panels_rest_graded_to_the_other_body_also_after_two_fits(usdtailor, tmp_path):
+    def patterned(mesh):
+        # The sleeve cut open and laid flat to scale.
+        uvs = tube(1.2, 4, AROUND, 10)[1] * (2 * AROUND * 1.2 * math.sin(math.pi / AROUND), 4)
+        UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying").Set([Gf.Vec2f(*map(float, uv)) for uv in uvs])
+
+    source = write_tube(tmp_path / "pattern.usda", tube(1.2, 4, AROUND, 10)[0], finish=patterned)
+    arms = [write_tube(tmp_path / f"arm{i}.usda", *tube(r, h, 20, 24)) for i, (r, h) in enumerate(((1, 8), (1.5, 8), (1.5, 12)))]
+    outs = [tmp_path / "wide.usda", tmp_path / "long.usda"]
+    for garment, body, to, out in ((source, arms[0], arms[1], outs[0]), (outs[0], arms[1], arms[2], outs[1])):
+        fit(usdtailor, garment, "--from", body, "--to", to, "-o", out)
+    for out in outs:
+        built = tmp_path / f"{out.stem}_built.usda"
+        done = run(usdtailor, "build", out, "-o", built)
+        assert "rests as 1 flat panels" in done.stdout, done.stdout + done.stderr
+        stage = Usd.Stage.Open(str(built))
+        sim = stage.GetPrimAtPath("/Coat/sim")
+        rest = np.array(sim.GetAttribute("physics:restShapePoints").Get())
+        fitted = Triangles(out)
+        girth = 2 * math.pi * np.median(radii(fitted.points))
+        assert abs(np.ptp(rest[:, 0]) / girth - 1) < 0.04 and abs(np.ptp(rest[:, 1]) / np.ptp(fitted.points[:, 1]) - 1) < 0.04
 
 
 def test_panels_that_are_sewn_stay_together(usdtailor, tmp_path):
@@ -312,6 +335,21 @@ def test_a_body_may_have_holes(usdtailor, sleeve, tmp_path):
     out = tmp_path / "out.usda"
     fit(usdtailor, sleeve()["sleeve"], "--from", holes["arm"], "--to", holes["thick"], "-o", out, "--strict")
     assert radii(Triangles(out).points).min() > 1.5
+
+
+def test_fresh_outputs_are_left_and_check_tells_stale_ones(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "made"
+    args = [paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["long"], "-o", out, "--skip-fresh", "--force"]
+    fit(usdtailor, *args)
+    times = [path.stat().st_mtime_ns for path in sorted(out.iterdir())]
+    assert fit(usdtailor, *args).stdout.count(": fresh") == 2
+    assert [path.stat().st_mtime_ns for path in sorted(out.iterdir())] == times
+    assert run(usdtailor, "check", out / "sleeve_thick.usdc").returncode == 0
+    write_tube(paths["thick"], *tube(1.6, 8, 20, 24))
+    stale = run(usdtailor, "check", out / "sleeve_thick.usdc")
+    assert stale.returncode == 1 and "thick.usda has changed" in stale.stderr, stale.stderr + stale.stdout
+    assert fit(usdtailor, *args).stdout.count(": fresh") == 1
+    assert fit(usdtailor, *args, "--keep-length", "borders.lowest").stdout.count(": fresh") == 0
 
 
 def test_several_bodies_make_a_folder_and_a_bad_one_does_not_stop_the_others(usdtailor, sleeve, tmp_path):

@@ -1,8 +1,9 @@
 //! The stretch of a mesh against its UVs, as symmetric matrices in the axes of the UVs.
 
-use crate::garment::{Interpolation, Mesh, Primvar, Values};
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::garment::{FIT_FROM, Interpolation, Mesh, Primvar, Values};
+use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
 use glam::{DMat2, DVec2, DVec3, Vec3};
+use std::borrow::Cow;
 
 /// Least stretch that is undone; a face whose UVs are flat the other way rests as modelled.
 const LEAST_STRETCH: f64 = 0.2;
@@ -18,7 +19,8 @@ pub struct CageStretch {
 }
 
 impl CageStretch {
-    /// The stretch of a garment against its UV set; `None` without one.
+    /// The stretch of a garment against its UV set; `None` without one. That of a fitted garment is from before the fit, so that its
+    /// panels are graded to the other body.
     pub fn new(garment: &Mesh, uv_set: &str) -> Option<Self> {
         let primvar = garment.primvar(uv_set)?;
         let Values::F32(values) = &primvar.values else { return None };
@@ -26,12 +28,27 @@ impl CageStretch {
             return None;
         }
         let uv = |corner: CornerId| uv_at(primvar, values, corner);
-        let scale = garment.uv_scales.get(uv_set).copied().map_or_else(|| by_area(garment, &uv), f64::from);
+        let points = made_points(garment);
+        let scale =
+            garment.uv_scales.get(uv_set).copied().map_or_else(|| by_area(&garment.faces, &points, &uv), f64::from);
         if !(scale.is_finite() && scale > 0.0) {
             return None;
         }
-        let of_face = garment.faces.ids().map(|face| face_stretch(garment, face, &|corner| uv(corner) * scale));
+        let uv = |corner| uv(corner) * scale;
+        let of_face = garment.faces.ids().map(|face| face_stretch(&garment.faces, &points, face, &uv));
         Some(Self { scale, of_face: of_face.collect() })
+    }
+}
+
+/// The points of a garment as it was made: of a fitted one, those on the first body.
+fn made_points(garment: &Mesh) -> Cow<'_, IdVec<VertexId, Vec3>> {
+    let fitted = garment.primvar(FIT_FROM).filter(|p| p.interpolation == Interpolation::Vertex && p.width() == 3);
+    match fitted.map(|primvar| (primvar, &primvar.values)) {
+        Some((primvar, Values::F32(values))) => {
+            let at = |v: VertexId| Vec3::from_slice(&values[3 * primvar.row(v.index())..]);
+            Cow::Owned(garment.points.ids().map(at).collect())
+        }
+        _ => Cow::Borrowed(&garment.points),
     }
 }
 
@@ -41,11 +58,11 @@ fn uv_at(primvar: &Primvar, values: &[f32], corner: CornerId) -> DVec2 {
 }
 
 /// The length of one UV unit by the areas of all faces.
-fn by_area(garment: &Mesh, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
+fn by_area(faces: &Faces, points: &IdVec<VertexId, Vec3>, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
     let (mut area, mut of_uvs) = (0.0, 0.0);
-    for face in garment.faces.ids() {
-        let corners: Vec<CornerId> = garment.faces.corners_of(face).collect();
-        let at = |k: usize| garment.points[garment.faces.vertex(corners[k])].as_dvec3();
+    for face in faces.ids() {
+        let corners: Vec<CornerId> = faces.corners_of(face).collect();
+        let at = |k: usize| points[faces.vertex(corners[k])].as_dvec3();
         let flat = |k: usize| uv(corners[k]);
         let fan = 1..corners.len() - 1;
         area += fan.clone().map(|k| (at(k) - at(0)).cross(at(k + 1) - at(0))).sum::<DVec3>().length();
@@ -55,10 +72,10 @@ fn by_area(garment: &Mesh, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
 }
 
 /// The stretch of a face: that of the linear map from UVs to space with the least squares.
-fn face_stretch(garment: &Mesh, face: FaceId, uv: &impl Fn(CornerId) -> DVec2) -> DMat2 {
-    let corners = garment.faces.corners_of(face);
+fn face_stretch(faces: &Faces, points: &IdVec<VertexId, Vec3>, face: FaceId, uv: &impl Fn(CornerId) -> DVec2) -> DMat2 {
+    let corners = faces.corners_of(face);
     let count = corners.len() as f64;
-    let point = |c: CornerId| garment.points[garment.faces.vertex(c)].as_dvec3();
+    let point = |c: CornerId| points[faces.vertex(c)].as_dvec3();
     let (centre, flat) =
         (corners.clone().map(point).sum::<DVec3>() / count, corners.clone().map(uv).sum::<DVec2>() / count);
     let (mut squares, mut along) = (DMat2::ZERO, [DVec3::ZERO; 2]);
