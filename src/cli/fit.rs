@@ -9,7 +9,10 @@ use crate::garment::Elements;
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
 use crate::session::OpenGarment;
-use crate::usd::{BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_fitted};
+use crate::usd::{
+    BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_bodies,
+    write_fitted,
+};
 use clap::Args;
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -43,6 +46,9 @@ pub struct Fit {
     /// missing
     #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: PathBuf,
+    /// Write one layer with a variant set of this name: a choice for each body, the first of which is the garment as it is
+    #[arg(long, value_name = "SET", help_heading = "Output")]
+    variant_set: Option<String>,
     /// Overwrite an existing output; the input is never overwritten
     #[arg(long, help_heading = "Output")]
     force: bool,
@@ -79,7 +85,30 @@ struct Done {
     warnings: Warnings,
 }
 
-/// Fits each garment to each body. With several, a failed one is reported and the others are still fitted.
+/// What the tasks have given.
+#[derive(Default)]
+struct Results {
+    text: String,
+    reports: Vec<Value>,
+    code: u8,
+}
+
+impl Results {
+    /// Adds garments that fit, and prints their warnings.
+    fn add(&mut self, command: &Fit, task: &Task, garments: &[Done], label: Option<&PathBuf>) {
+        let warnings = garments.iter().flat_map(|done| done.warnings.worst_first());
+        print_warnings(warnings, command.inputs.wording(), label);
+        self.text += &summary(task, garments);
+        self.reports.push(in_report(command, task, garments));
+    }
+
+    fn add_fresh(&mut self, command: &Fit, task: &Task) {
+        self.text += &format!("{}: fresh\n", task.output.display());
+        self.reports.push(with_files(command, task, json!({ "status": "fresh" })));
+    }
+}
+
+/// Fits each garment to each body.
 pub fn run(command: &Fit) -> Result<Output, Error> {
     let prints_report = command.report.as_deref() == Some(Path::new(STDOUT));
     let report_file = command.report.as_deref().filter(|_| !prints_report);
@@ -89,30 +118,10 @@ pub fn run(command: &Fit) -> Result<Output, Error> {
     let tasks = tasks(command)?;
     // Kept to the end, when it goes again if nothing is in it.
     let _made = if is_folder(command, tasks.len()) { Some(MadeFolders::new(&command.output)?) } else { None };
-    let (mut text, mut reports, mut code) = (String::new(), Vec::with_capacity(tasks.len()), 0);
-    for task in &tasks {
-        let label = (tasks.len() > 1).then_some(&task.output);
-        if command.skip_fresh && is_fresh(command, task) {
-            text += &format!("{}: fresh\n", task.output.display());
-            reports.push(with_files(command, task, json!({ "status": "fresh" })));
-            continue;
-        }
-        match fit_one(command, task) {
-            Ok(garments) => {
-                let warnings = garments.iter().flat_map(|done| done.warnings.worst_first());
-                print_warnings(warnings, command.inputs.wording(), label);
-                text += &summary(task, &garments);
-                reports.push(in_report(command, task, &garments));
-            }
-            Err(error) => {
-                let Some(label) = label else { return Err(error) };
-                print_error(&error, Some(label));
-                let failed = json!({ "status": "failed", "error": report::error_json(&error) });
-                reports.push(with_files(command, task, failed));
-                code = code.max(super::program::exit_code(&error));
-            }
-        }
-    }
+    let Results { text, mut reports, code } = match &command.variant_set {
+        Some(set) => as_variants(command, &tasks, set)?,
+        None => apart(command, &tasks)?,
+    };
     let all = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "fits": reports }) };
     let all = report::pretty(&all)?;
     if let Some(file) = report_file {
@@ -126,9 +135,45 @@ pub fn run(command: &Fit) -> Result<Output, Error> {
     Ok(Output { text, code })
 }
 
+/// Writes an output for each garment and body. With several, a failed one is reported and the others are still fitted.
+fn apart(command: &Fit, tasks: &[Task]) -> Result<Results, Error> {
+    let mut results = Results::default();
+    for task in tasks {
+        let label = (tasks.len() > 1).then_some(&task.output);
+        if command.skip_fresh && is_fresh(command, task) {
+            results.add_fresh(command, task);
+            continue;
+        }
+        match fit_one(command, task) {
+            Ok(garments) => results.add(command, task, &garments, label),
+            Err(error) => {
+                let Some(label) = label else { return Err(error) };
+                print_error(&error, Some(label));
+                let failed = json!({ "status": "failed", "error": report::error_json(&error) });
+                results.reports.push(with_files(command, task, failed));
+                results.code = results.code.max(super::program::exit_code(&error));
+            }
+        }
+    }
+    Ok(results)
+}
+
+/// Writes one output with a variant for each body.
+fn as_variants(command: &Fit, tasks: &[Task], set: &str) -> Result<Results, Error> {
+    let mut results = Results::default();
+    if command.skip_fresh && is_fresh(command, &tasks[0]) {
+        results.add_fresh(command, &tasks[0]);
+        return Ok(results);
+    }
+    for (task, garments) in tasks.iter().zip(fit_all(command, tasks, set)?) {
+        results.add(command, task, &garments, (tasks.len() > 1).then_some(&task.to));
+    }
+    Ok(results)
+}
+
 /// Whether the output is a folder for so many outputs.
 fn is_folder(command: &Fit, outputs: usize) -> bool {
-    let out = &command.output;
+    let (out, outputs) = (&command.output, if command.variant_set.is_some() { 1 } else { outputs });
     outputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
 }
 
@@ -145,9 +190,9 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     }
     let mut known = HashSet::new();
     let task = |(input, to): (&PathBuf, &PathBuf)| {
-        let [garment, body] = [input, to].map(|file| file.file_stem().unwrap_or_default().to_string_lossy());
+        let [garment, body] = [input, to].map(|file| stem(file));
         let output = if is_folder { out.join(format!("{garment}_{body}.usdc")) } else { out.clone() };
-        if known.insert(output.clone()) {
+        if known.insert((output.clone(), command.variant_set.is_some().then_some(body))) {
             return Ok(Task { input: input.clone(), to: to.clone(), output });
         }
         let fault = usage("", format!("two outputs would be {}", output.display())).code(ErrorCode::OutputPath);
@@ -168,6 +213,8 @@ fn is_fresh(command: &Fit, task: &Task) -> bool {
 fn request(command: &Fit, task: &Task) -> Result<String, Error> {
     let inputs = &command.inputs;
     let path = |file: &Path| BuildRecord::path_of(file, &task.output);
+    // A variant set is of all bodies.
+    let to = command.to.iter().map(PathBuf::as_path).filter(|to| command.variant_set.is_some() || *to == task.to);
     let request = json!({
         "input": path(&task.input)?,
         "recipe": inputs.recipe.as_deref().map(path).transpose()?,
@@ -179,7 +226,8 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
         "sewTolerance": inputs.several.sew_tolerance,
         "fit": {
             "from": path(&command.from)?,
-            "to": path(&task.to)?,
+            "to": to.map(path).collect::<Result<Vec<_>, Error>>()?,
+            "variantSet": command.variant_set,
             "bodyPrim": command.body_prim,
             "rigid": command.rigid,
             "keepLength": command.keep_length,
@@ -189,8 +237,48 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
     Ok(request.to_string())
 }
 
-/// Fits the garments of one input and writes them.
+/// Fits the garments of one input to one body and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
+    let (mut garments, record) = fit_to(command, task)?;
+    let warnings = write_fitted(&new_points(&garments), &record, &task.output, command.force)?;
+    if let Some(last) = garments.last_mut() {
+        last.warnings.extend(warnings);
+    }
+    Ok(garments)
+}
+
+/// Fits the garments of one input to several bodies and writes them as variants.
+fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, Error> {
+    let first = &tasks[0];
+    if tasks.iter().any(|task| task.input != first.input) {
+        let fault = usage(format!("--variant-set {set}"), "it is of one garment").code(ErrorCode::CommandLine);
+        return Err(fault.remedy("name one input, or leave it out to write a folder"));
+    }
+    let (mut all, records): (Vec<_>, Vec<_>) =
+        tasks.iter().map(|task| fit_to(command, task)).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+    let names: Vec<String> =
+        std::iter::once(&command.from).chain(tasks.iter().map(|task| &task.to)).map(|file| stem(file)).collect();
+    let garments = std::iter::once(Vec::new()).chain(all.iter().map(|garments| new_points(garments)));
+    let choices: Vec<BodyChoice> =
+        names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
+    let record = BuildRecord::of_all(records);
+    let warnings = write_bodies(set, &choices, &record, &first.output, command.force)?;
+    if let Some(last) = all.last_mut().and_then(|garments| garments.last_mut()) {
+        last.warnings.extend(warnings);
+    }
+    Ok(all)
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn new_points(garments: &[Done]) -> Vec<FittedGarment<'_>> {
+    garments.iter().map(|done| FittedGarment { source: &done.source, points: &done.points }).collect()
+}
+
+/// The garments of one input on one body, and the record of what they are made of.
+fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error> {
     let started = SystemTime::now();
     let opened = command.inputs.open(&task.input)?;
     check_target(&opened[0].source, &task.output, command.force)?;
@@ -203,17 +291,11 @@ fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let recipes: Vec<PathBuf> = command.inputs.recipe.iter().cloned().collect();
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
-    let mut garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
+    let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
     if command.strict {
         garments.iter().try_for_each(|done| done.warnings.strict())?;
     }
-    let all: Vec<_> =
-        garments.iter().map(|done| FittedGarment { source: &done.source, points: &done.points }).collect();
-    let warnings = write_fitted(&all, &record, &task.output, command.force)?;
-    if let Some(last) = garments.last_mut() {
-        last.warnings.extend(warnings);
-    }
-    Ok(garments)
+    Ok((garments, record))
 }
 
 /// One garment, fitted.

@@ -82,6 +82,14 @@ impl BuildRecord {
         Ok(Self { version: VERSION.into(), request, prim, variants, files })
     }
 
+    /// The record of an output that is made of all that several records are of, at least one, with the same request.
+    pub fn of_all(records: Vec<Self>) -> Self {
+        let mut all = records.into_iter();
+        let mut first = all.next().unwrap_or_default();
+        all.for_each(|other| first.files.extend(other.files));
+        first
+    }
+
     /// The record in the layer `out`; none in a layer without one, or that cannot be opened.
     pub fn of(out: &Path) -> Option<Self> {
         let path = out.to_str()?.to_owned();

@@ -337,6 +337,30 @@ def test_a_body_may_have_holes(usdtailor, sleeve, tmp_path):
     assert radii(Triangles(out).points).min() > 1.5
 
 
+def test_bodies_may_be_variants_of_one_layer_and_are_built_so(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "bodies.usda"
+    args = [paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["long"], "-o", out, "--variant-set", "body"]
+    fit(usdtailor, *args)
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["long"], "-o", tmp_path / "apart")
+    stage = Usd.Stage.Open(str(out))
+    variants = stage.GetPrimAtPath("/Coat").GetVariantSet("body")
+    assert not stage.GetCompositionErrors() and sorted(variants.GetVariantNames()) == ["arm", "long", "thick"] and variants.GetVariantSelection() == "arm"
+    for name, path in (("arm", paths["sleeve"]), ("thick", tmp_path / "apart/sleeve_thick.usdc"), ("long", tmp_path / "apart/sleeve_long.usdc")):
+        variants.SetVariantSelection(name)
+        assert np.array_equal(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/model")).GetPointsAttr().Get(), Triangles(path).points.astype(np.float32))
+    assert ": fresh" in fit(usdtailor, *args, "--skip-fresh", "--force").stdout
+    built = run(usdtailor, "build", out, "-o", tmp_path / "built.usdc", "--variants", "body", "--set", "sim.maxEdgeLength=0.6")
+    assert built.returncode == 0, built.stderr
+    products = Usd.Stage.Open(str(tmp_path / "built.usdc"))
+    widths = {}
+    for name in ("arm", "thick", "long"):
+        products.GetPrimAtPath("/Coat").GetVariantSet("body").SetVariantSelection(name)
+        widths[name] = radii(np.array(UsdGeom.Mesh(products.GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())).min()
+    assert widths["thick"] > 1.5 > 1.3 > widths["arm"]
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["thick"], "-o", tmp_path / "twice.usda", "--variant-set", "body", code=1)
+    assert not (tmp_path / "twice.usda").exists() and "two outputs" in done.stderr
+
+
 def test_fresh_outputs_are_left_and_check_tells_stale_ones(usdtailor, sleeve, tmp_path):
     paths, out = sleeve(), tmp_path / "made"
     args = [paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["long"], "-o", out, "--skip-fresh", "--force"]

@@ -4,11 +4,12 @@ use super::layer::{LayerContext, overlay};
 use super::product::{Author, extent};
 use super::role::SetChoice;
 use super::save::OutputFile;
-use crate::error::{Error, Warnings};
-use crate::usd::read::{OrUnreadable, Source, prim_at, property_names, transforms, value};
+use super::variant::copy_into_variant;
+use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::usd::read::{OrUnreadable, Selection, Source, prim_at, property_names, transforms, value};
 use crate::usd::{BuildRecord, names, on_large_stack};
 use glam::Vec3;
-use openusd::sdf::{self, AbstractData, PrimSpec, Value, ValueTypeName, Variability};
+use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usd::Stage;
 use std::path::Path;
@@ -47,6 +48,82 @@ pub fn write_fitted(
         let (_, warnings) = file.save(data)?;
         Ok(warnings)
     })
+}
+
+/// A body of a variant set, and the garments on it.
+pub struct BodyChoice<'a> {
+    /// The name of the variant.
+    pub name: &'a str,
+    /// The garments of one stage, the same for each body; none for the body on which they stay as they are.
+    pub garments: Vec<FittedGarment<'a>>,
+}
+
+/// Writes garments on several bodies as a variant set of the prim above them. The layer refers to that prim of the garment's file: what a
+/// sublayer says of points would be stronger than any variant.
+///
+/// # Errors
+/// Names that no variant can have, and as [`write_fitted`].
+pub fn write_bodies(
+    set: &str,
+    choices: &[BodyChoice],
+    record: &BuildRecord,
+    out: &Path,
+    force: bool,
+) -> Result<Warnings, Error> {
+    let garments = choices.iter().flat_map(|choice| &choice.garments);
+    let first = garments.into_iter().next().ok_or_else(|| Error::internal("there is no garment to write"))?;
+    let model = &first.source.model;
+    let file = OutputFile::find(out, |file| model.uses(file), force)?;
+    on_large_stack(|| {
+        let (stage, anchor) = (model.origin.open()?, file.anchor());
+        let context = LayerContext { flatten: false, anchor, sublayer: None };
+        let above = model.path.strict_ancestors_below_root().last().unwrap_or_else(|| model.path.clone());
+        let mut data = overlay(model, context)?;
+        refer(&mut data, &above).or_unreadable(&above)?;
+        for choice in choices {
+            let mut part = overlay(model, context)?;
+            PrimSpec::over(&mut part, &above).or_unreadable(&above)?;
+            for garment in &choice.garments {
+                let model = &garment.source.model;
+                let mut author = Author { data: &mut part, model, anchor, is_overlay: true, sets: SetChoice::None };
+                garment.author(&stage, &mut author)?;
+            }
+            let selection =
+                Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
+            copy_into_variant(&mut data, &part, &selection).map_err(|e| bad_name(&selection, &e))?;
+        }
+        let chosen = choices.first().map(|choice| choice.name.to_owned()).unwrap_or_default();
+        let selected = Value::VariantSelectionMap([(set.to_owned(), chosen)].into());
+        data.set_field(&above, FieldKey::VariantSelection.as_str(), selected);
+        record.author(&mut data)?;
+        let (_, mut warnings) = file.save(data)?;
+        let others = prim_at(&stage, &sdf::Path::abs_root())?.child_names().or_unreadable(&above)?;
+        for name in others.iter().filter(|name| above.name() != Some(name.as_str())) {
+            let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
+            warnings.push(Warning::not_carried(format!("/{name}"), why));
+        }
+        Ok(warnings)
+    })
+}
+
+/// Makes the sublayer of a layer a reference of a prim.
+fn refer(data: &mut sdf::Data, prim: &sdf::Path) -> openusd::Result<()> {
+    let (root, key) = (sdf::Path::abs_root(), FieldKey::SubLayers.as_str());
+    let asset_path = match AbstractData::try_field(data, &root, key)?.as_deref() {
+        Some(Value::StringVec(layers)) => layers.first().cloned().unwrap_or_default(),
+        _ => String::new(),
+    };
+    [key, FieldKey::SubLayerOffsets.as_str()].into_iter().for_each(|key| data.erase_field(&root, key));
+    PrimSpec::over(data, prim)?;
+    let reference = sdf::Reference { asset_path, prim_path: prim.clone(), ..sdf::Reference::default() };
+    let all = sdf::ReferenceListOp { prepended_items: vec![reference], ..sdf::ReferenceListOp::default() };
+    data.set_field(prim, FieldKey::References.as_str(), Value::ReferenceListOp(all));
+    Ok(())
+}
+
+fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
+    let text = format!("{}{{{}={}}} cannot be a variant: {error}", selection.prim, selection.set, selection.choice);
+    Error::usd(text).code(ErrorCode::NameTaken).remedy("give the files of bodies names of letters, digits and _")
 }
 
 impl FittedGarment<'_> {

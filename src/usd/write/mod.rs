@@ -17,7 +17,7 @@ mod trims;
 mod variant;
 
 pub use crates::write_crate;
-pub use fit::{FittedGarment, write_fitted};
+pub use fit::{BodyChoice, FittedGarment, write_bodies, write_fitted};
 pub use layer::{
     Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes, write, write_all,
 };
