@@ -1,5 +1,7 @@
 //! `usdtailor fit`.
 
+mod pairs;
+
 use super::process::folders::MadeFolders;
 use super::text::{print_error, print_warnings, warning_json};
 use super::{Inputs, Output, report, usage};
@@ -10,11 +12,11 @@ use crate::pipeline::Builder;
 use crate::recipe::Recipe;
 use crate::session::OpenGarment;
 use crate::usd::{
-    BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, write_bodies,
-    write_fitted,
+    BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
+    write_bodies, write_fitted,
 };
 use clap::Args;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -36,6 +38,9 @@ pub struct Fit {
     /// Path of the mesh in the files of bodies [default: the only mesh]
     #[arg(long, value_name = "PATH", help_heading = "Bodies")]
     body_prim: Option<String>,
+    /// Places that correspond on bodies without common faces or UVs: lines of six numbers, a point of each body in its stage
+    #[arg(long, value_name = "FILE", help_heading = "Bodies")]
+    pairs: Option<PathBuf>,
     /// A set whose connected parts move as wholes, such as buttons, or an expression; repeatable
     #[arg(long, value_name = "SET", help_heading = "Fit")]
     rigid: Vec<String>,
@@ -180,12 +185,12 @@ fn is_folder(command: &Fit, outputs: usize) -> bool {
 /// Each garment and body with its output: `-o` itself, or a file in it if it is a folder.
 fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     let files = command.inputs.files()?;
-    let pairs: Vec<(&PathBuf, &PathBuf)> =
+    let all: Vec<(&PathBuf, &PathBuf)> =
         files.iter().flat_map(|input| command.to.iter().map(move |to| (input, to))).collect();
     let out = &command.output;
-    let is_folder = is_folder(command, pairs.len());
+    let is_folder = is_folder(command, all.len());
     if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
-        let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", pairs.len()));
+        let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", all.len()));
         return Err(fault.remedy("name a folder, which is made where it is missing, or fit to one body at a time"));
     }
     let mut known = HashSet::new();
@@ -198,7 +203,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
         let fault = usage("", format!("two outputs would be {}", output.display())).code(ErrorCode::OutputPath);
         Err(fault.remedy("give the files other names, or fit them into separate folders"))
     };
-    pairs.into_iter().map(task).collect()
+    all.into_iter().map(task).collect()
 }
 
 /// Whether the output was made by this program of these files with these options.
@@ -228,6 +233,7 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
             "from": path(&command.from)?,
             "to": to.map(path).collect::<Result<Vec<_>, Error>>()?,
             "variantSet": command.variant_set,
+            "pairs": command.pairs.as_deref().map(path).transpose()?,
             "bodyPrim": command.body_prim,
             "rigid": command.rigid,
             "keepLength": command.keep_length,
@@ -288,7 +294,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
     let read: Vec<Source> = opened.iter().map(|garment| garment.source.clone()).chain(bodies.iter().cloned()).collect();
-    let recipes: Vec<PathBuf> = command.inputs.recipe.iter().cloned().collect();
+    let recipes: Vec<PathBuf> = command.inputs.recipe.iter().chain(&command.pairs).cloned().collect();
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
     let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
@@ -299,18 +305,27 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
 }
 
 /// One garment, fitted.
-fn fitted(command: &Fit, garment: OpenGarment, [from, to]: &[Source; 2]) -> Result<Done, Error> {
+fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Done, Error> {
     let (source, builder, recipe) = garment.check()?;
-    let [from, to] = [body_of(&source, from)?, body_of(&source, to)?].map(|(mesh, _)| mesh);
+    let bodies = bodies(command, &source, files)?;
     let sets = |flag: &str, names: &[String]| {
         names.iter().map(|name| set(&builder, &recipe, flag, name)).collect::<Result<Vec<_>, Error>>()
     };
     let options =
         FitOptions { rigid: sets("rigid", &command.rigid)?, keep_length: sets("keep-length", &command.keep_length)? };
-    let fitted = fit(builder.garment(), &Bodies::new(&from, &to)?, &options)?;
+    let fitted = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
     warnings.extend(builder.warnings_in_file(fitted.warnings));
     Ok(Done { source, points: fitted.points, figures: fitted.figures, warnings })
+}
+
+/// The bodies in the space of a garment.
+fn bodies(command: &Fit, garment: &Source, files: &[Source; 2]) -> Result<Bodies, Error> {
+    let [from, to] = [body_of(garment, &files[0])?, body_of(garment, &files[1])?].map(|(mesh, _)| mesh);
+    let Some(file) = &command.pairs else { return Bodies::new(&from, &to) };
+    let [of_from, of_to] = files.each_ref().map(|body| stage_to_garment(garment, body));
+    let placed = |[a, b]: [DVec3; 2]| [of_from.transform_point3(a), of_to.transform_point3(b)];
+    Bodies::by_pairs(&from, &to, &pairs::read(file)?.into_iter().map(placed).collect::<Vec<_>>())
 }
 
 /// A set by its name or expression.

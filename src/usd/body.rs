@@ -15,8 +15,7 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Erro
     let (mesh, mut warnings) = body.garment()?;
     let (mut mesh, of_check) = check_garment(mesh)?;
     warnings.extend(of_check);
-    let [own, of_body] = [garment, body].map(|source| &source.model);
-    let to_garment = own.transforms.to_world.inverse() * between(of_body, own) * of_body.transforms.to_world;
+    let to_garment = stage_to_garment(garment, body) * body.model.transforms.to_world;
     if !to_garment.is_finite() {
         let fault = Error::new(ErrorKind::Usd, garment.prim(), "it has a transform that flattens it");
         return Err(fault.code(ErrorCode::MeshSize).remedy("give it scales that are not 0"));
@@ -25,6 +24,11 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Erro
         *point = to_garment.transform_point3(point.as_dvec3()).as_vec3();
     }
     Ok((mesh, warnings))
+}
+
+/// From the space of a body's stage to that of a garment.
+pub fn stage_to_garment(garment: &Source, body: &Source) -> DMat4 {
+    garment.model.transforms.to_world.inverse() * between(&body.model, &garment.model)
 }
 
 /// From the stage of one model to that of another: their up axes and units, as far as both stages state them.

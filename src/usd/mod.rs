@@ -17,7 +17,7 @@ mod write;
 
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
-pub use body::body_of;
+pub use body::{body_of, stage_to_garment};
 pub use build_record::BuildRecord;
 #[cfg(feature = "preview")]
 pub(crate) use read::Look;

@@ -203,6 +203,25 @@ def test_bodies_of_other_faces_correspond_by_their_uvs(usdtailor, sleeve, tmp_pa
     assert not crossings(Triangles(tmp_path / "other_out.usda"), Triangles(paths["other"]))[0]
 
 
+def test_pairs_of_points_stand_in_for_common_faces(usdtailor, sleeve, tmp_path):
+    paths, out, pairs = sleeve(), tmp_path / "out.usda", tmp_path / "pairs.txt"
+    bare = write_tube(tmp_path / "bare.usda", tube(1.5, 8, 30, 37, bulge=0.4)[0])
+    lines = ["# arm, then the thicker arm"]
+    for y in np.linspace(-4, 4, 9):
+        for angle in np.linspace(0, 2 * np.pi, 8, endpoint=False):
+            sides = [(r * math.sin(angle), y, r * math.cos(angle)) for r in (1, 1.5 + 0.4 * math.sin(math.pi * (y / 8 + 0.5)))]
+            lines.append(" ".join(f"{v:.6f}" for v in (*sides[0], *sides[1])))
+    pairs.write_text("\n".join(lines))
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", bare, "--pairs", pairs, "-o", out)
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "same.usda")
+    fitted = Triangles(out)
+    assert not crossings(fitted, Triangles(bare))[0] and abs(fitted.points - Triangles(tmp_path / "same.usda").points).max() < 0.1
+    for text, words, code in (("1 2 3 4 5", "line 1 has not six numbers", 2), ("1 2 3 4 5 6\n" * 3, "3 pairs", 1), ("1 2 3 4 5 6\n" * 9, "one plane", 1)):
+        pairs.write_text(text)
+        done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", bare, "--pairs", pairs, "-o", tmp_path / "bad.usda", code=code)
+        assert words in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+
+
 def test_a_hem_keeps_its_length_and_buttons_their_shape(usdtailor, sleeve, tmp_path):
     def sets(mesh):
         hem = [v for i in range(AROUND) for v in (i, (i + 1) % AROUND)]
