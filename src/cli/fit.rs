@@ -5,7 +5,7 @@ mod pairs;
 use super::process::folders::MadeFolders;
 use super::text::{print_error, print_warnings, warning_json};
 use super::{Inputs, Output, report, usage};
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::fit::{Bodies, CrossingCount, FitFigures, FitOptions, fit};
 use crate::garment::Elements;
 use crate::pipeline::Builder;
@@ -188,6 +188,10 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     let all: Vec<(&PathBuf, &PathBuf)> =
         files.iter().flat_map(|input| command.to.iter().map(move |to| (input, to))).collect();
     let out = &command.output;
+    if Format::of(out).is_ok_and(|format| format == Format::Usdz) {
+        let fault = usage(format!("-o {}", out.display()), "a package has no layer over another file");
+        return Err(fault.code(ErrorCode::OutputPath).remedy("write .usd, .usda or .usdc, and build a package of it"));
+    }
     let is_folder = is_folder(command, all.len());
     if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
         let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", all.len()));
@@ -197,6 +201,10 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     let task = |(input, to): (&PathBuf, &PathBuf)| {
         let [garment, body] = [input, to].map(|file| stem(file));
         let output = if is_folder { out.join(format!("{garment}_{body}.usdc")) } else { out.clone() };
+        if let Some(body) = [&command.from].into_iter().chain(&command.to).find(|body| is_same(body, &output)) {
+            let fault = usage("", format!("{} is a body", body.display())).code(ErrorCode::OutputIsInput);
+            return Err(fault.remedy("write to another file; bodies are never changed"));
+        }
         if known.insert((output.clone(), command.variant_set.is_some().then_some(body))) {
             return Ok(Task { input: input.clone(), to: to.clone(), output });
         }
@@ -246,10 +254,8 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
 /// Fits the garments of one input to one body and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let (mut garments, record) = fit_to(command, task)?;
-    let warnings = write_fitted(&new_points(&garments), &record, &task.output, command.force)?;
-    if let Some(last) = garments.last_mut() {
-        last.warnings.extend(warnings);
-    }
+    let warnings = write_fitted(&new_points(command, &garments), &record, &task.output, command.force)?;
+    add_warnings(&mut garments, warnings);
     Ok(garments)
 }
 
@@ -264,23 +270,40 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
         tasks.iter().map(|task| fit_to(command, task)).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     let names: Vec<String> =
         std::iter::once(&command.from).chain(tasks.iter().map(|task| &task.to)).map(|file| stem(file)).collect();
-    let garments = std::iter::once(Vec::new()).chain(all.iter().map(|garments| new_points(garments)));
+    let garments = std::iter::once(Vec::new()).chain(all.iter().map(|garments| new_points(command, garments)));
     let choices: Vec<BodyChoice> =
         names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
     let record = BuildRecord::of_all(records);
     let warnings = write_bodies(set, &choices, &record, &first.output, command.force)?;
-    if let Some(last) = all.last_mut().and_then(|garments| garments.last_mut()) {
-        last.warnings.extend(warnings);
+    if let Some(last) = all.last_mut() {
+        add_warnings(last, warnings);
     }
     Ok(all)
+}
+
+/// Whether two paths are of one file that is there.
+fn is_same(a: &Path, b: &Path) -> bool {
+    a.canonicalize().is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
 }
 
 fn stem(file: &Path) -> String {
     file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn new_points(garments: &[Done]) -> Vec<FittedGarment<'_>> {
-    garments.iter().map(|done| FittedGarment { source: &done.source, points: &done.points }).collect()
+/// Adds warnings of writing, which replace those of reading about the same places.
+fn add_warnings(garments: &mut [Done], warnings: Warnings) {
+    for done in garments.iter_mut() {
+        let is_other = |own: &&Warning| !warnings.iter().any(|new| new.place == own.place);
+        done.warnings = done.warnings.iter().filter(is_other).cloned().collect();
+    }
+    if let Some(last) = garments.last_mut() {
+        last.warnings.extend(warnings);
+    }
+}
+
+fn new_points<'a>(command: &Fit, garments: &'a [Done]) -> Vec<FittedGarment<'a>> {
+    let new = |done: &'a Done| FittedGarment { source: &done.source, points: &done.points, time: command.inputs.time };
+    garments.iter().map(new).collect()
 }
 
 /// The garments of one input on one body, and the record of what they are made of.
@@ -293,6 +316,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
         Source::open(file, &read)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
+    bodies.iter().try_for_each(|body| check_target(body, &task.output, command.force))?;
     let read: Vec<Source> = opened.iter().map(|garment| garment.source.clone()).chain(bodies.iter().cloned()).collect();
     let recipes: Vec<PathBuf> = command.inputs.recipe.iter().chain(&command.pairs).cloned().collect();
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
@@ -315,6 +339,12 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
         FitOptions { rigid: sets("rigid", &command.rigid)?, keep_length: sets("keep-length", &command.keep_length)? };
     let fitted = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
+    let trims: Vec<&str> = recipe.trim.values().flat_map(|trim| &trim.prims).map(String::as_str).collect();
+    if !trims.is_empty() {
+        let why = "they are prims of their own, and stay where they are";
+        let warning = Warning::not_carried(format!("the trims of {}: {}", source.whole(), trims.join(", ")), why);
+        warnings.push(warning.remedy("Move them by hand, or make them parts of the garment and name these by --rigid"));
+    }
     warnings.extend(builder.warnings_in_file(fitted.warnings));
     Ok(Done { source, points: fitted.points, figures: fitted.figures, warnings })
 }

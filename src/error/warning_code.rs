@@ -119,6 +119,8 @@ pub enum Code {
     UnsewnBorders,
     /// A garment is not on the body that it was made for.
     OffBody,
+    /// A fitted garment did not follow its body.
+    FitLeftBehind,
     /// Faces of a fitted garment cross the body or each other, and did not before.
     FitCrosses,
     /// Fewer threads are started than asked for.
@@ -142,6 +144,7 @@ impl Code {
             | Self::FlippedUvs
             | Self::Intersections
             | Self::FitCrosses
+            | Self::FitLeftBehind
             | Self::OffBody
             | Self::RootMesh
             | Self::EmptySet

@@ -3,7 +3,7 @@
 use super::triangle::{aabb, at, closest_weights};
 use crate::contact::{Aabb, NearestSearch};
 use crate::error::{Error, ErrorCode, ErrorKind};
-use crate::garment::{Meaning, Mesh, Primvar, PrimvarRole, Values};
+use crate::garment::{Meaning, Mesh, Orientation, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -64,7 +64,10 @@ impl Bodies {
     }
 
     fn of(from: &Mesh, to: Vec<DVec3>) -> Self {
-        let triangles = fans(from);
+        let mut triangles = fans(from);
+        if from.orientation == Orientation::LeftHanded {
+            triangles.iter_mut().for_each(|triangle| triangle.reverse());
+        }
         let sides = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
         let mut edges: Vec<[usize; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
         edges.sort_unstable();
@@ -77,11 +80,11 @@ impl Bodies {
         self.from.iter().zip(&self.to).map(|(a, b)| a.lerp(*b, share)).collect()
     }
 
-    /// The diagonal of the box of the first shape.
+    /// The diagonal of the box of the first shape's triangles.
     pub(super) fn size(&self) -> f64 {
-        let low = self.from.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = self.from.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        low.distance(high)
+        let used = || self.triangles.iter().flatten().map(|&v| self.from[v]);
+        let low = used().fold(DVec3::INFINITY, DVec3::min);
+        used().fold(DVec3::NEG_INFINITY, DVec3::max).distance(low)
     }
 }
 

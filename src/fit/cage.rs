@@ -33,6 +33,10 @@ impl Cage {
         }
     }
 
+    pub fn vertex_count(&self) -> usize {
+        self.faces_at.len()
+    }
+
     /// The faces that have all of some vertices.
     pub fn faces_of<'a>(&'a self, vertices: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
         let (first, others) =
@@ -75,12 +79,11 @@ impl Cage {
         }
     }
 
-    /// The parts of a set that its edges connect, as their vertices.
-    pub fn parts_of(&self, set: &Elements) -> Vec<Vec<usize>> {
-        let is_in = self.edges_in(set);
+    /// The parts that some of the edges connect, as their vertices.
+    pub fn parts_of(&self, is_in: &[bool]) -> Vec<Vec<usize>> {
         let mut part: Vec<usize> = (0..self.faces_at.len()).collect();
         let mut has_edge = vec![false; part.len()];
-        for (&[a, b], _) in self.edges.iter().zip(&is_in).filter(|(_, is_in)| **is_in) {
+        for (&[a, b], _) in self.edges.iter().zip(is_in).filter(|(_, is_in)| **is_in) {
             let [a_root, b_root] = [a, b].map(|v| root(&mut part, v));
             part[a_root.max(b_root)] = a_root.min(b_root);
             [a, b].into_iter().for_each(|v| has_edge[v] = true);

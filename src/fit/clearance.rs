@@ -19,8 +19,10 @@ const LEAST: f64 = 2e-3;
 pub struct Clearance<'a> {
     cage: &'a Cage,
     bodies: &'a Bodies,
-    /// Faces that cross at the start, and are not held.
+    /// Faces that cross at the start.
     pub start: CrossingFaces,
+    /// Those, and others that could not follow: they are not held.
+    released: CrossingFaces,
     /// The mean edge at each vertex.
     pub edge: Vec<f64>,
     /// The distance of the elements at each vertex from the body and from other parts of the cage, at the start.
@@ -28,7 +30,7 @@ pub struct Clearance<'a> {
     /// The share of its room that each vertex has kept where there was less.
     squeeze: Vec<f64>,
     body: OwnedElements,
-    /// Elements of faces that are free of the body at the start.
+    /// Elements of faces that are held off the body.
     free: OwnedElements,
 }
 
@@ -39,6 +41,16 @@ struct OwnedElements {
 }
 
 impl OwnedElements {
+    /// The elements of a cage that have a face which does not cross the body.
+    fn free(cage: &Cage, crossing: &CrossingFaces) -> Self {
+        let is_free = |vertices: &[usize]| cage.faces_of(vertices).any(|f| !crossing.body.contains(&f));
+        Self {
+            vertices: (0..cage.vertex_count()).filter(|&v| is_free(&[v])).collect(),
+            edges: cage.edges.iter().copied().filter(|e| is_free(e)).collect(),
+            triangles: cage.triangles.iter().copied().filter(|t| is_free(t)).collect(),
+        }
+    }
+
     fn borrowed(&self) -> Elements<'_> {
         Elements { vertices: &self.vertices, edges: &self.edges, triangles: &self.triangles }
     }
@@ -49,12 +61,6 @@ impl<'a> Clearance<'a> {
     pub fn new(cage: &'a Cage, rest: &[DVec3], bodies: &'a Bodies) -> Self {
         let count = rest.len();
         let start = Crossings::of(cage, rest, bodies, &bodies.from).faces(cage);
-        let is_free = |vertices: &[usize]| cage.faces_of(vertices).any(|f| !start.body.contains(&f));
-        let free = OwnedElements {
-            vertices: (0..count).filter(|&v| is_free(&[v])).collect(),
-            edges: cage.edges.iter().copied().filter(|e| is_free(e)).collect(),
-            triangles: cage.triangles.iter().copied().filter(|t| is_free(t)).collect(),
-        };
         // Points that no face has are not in the way.
         let mut is_used = vec![false; bodies.from.len()];
         bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
@@ -65,7 +71,9 @@ impl<'a> Clearance<'a> {
         };
         let distance = [(); 2].map(|()| vec![f64::INFINITY; count]);
         let edge = cage.mean_edges(rest);
-        let mut clearance = Self { cage, bodies, start, edge, distance, squeeze: vec![1.0; count], body, free };
+        let (released, free) = (start.clone(), OwnedElements::free(cage, &start));
+        let squeeze = vec![1.0; count];
+        let mut clearance = Self { cage, bodies, start, released, edge, distance, squeeze, body, free };
         let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0);
         for (distance, contacts) in clearance.distance.iter_mut().zip(contacts) {
             for contact in contacts {
@@ -81,7 +89,7 @@ impl<'a> Clearance<'a> {
         let reach = |share: f64| self.edge.iter().map(|edge| share * edge).collect::<Vec<_>>();
         let with_body = with_body(&self.free.borrowed(), &self.body.borrowed(), points, &reach(REACH[0]));
         let own = &points[..self.edge.len()];
-        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.start)]
+        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.released)]
     }
 
     /// The contacts as limits, with the body where it is in a shape.
@@ -132,5 +140,16 @@ impl<'a> Clearance<'a> {
     /// What crosses and did not at the start.
     pub fn new_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
         Crossings::of(self.cage, points, self.bodies, shape).without(&self.start, self.cage)
+    }
+
+    /// What crosses of all that is held.
+    pub fn held_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
+        Crossings::of(self.cage, points, self.bodies, shape).without(&self.released, self.cage)
+    }
+
+    /// Holds faces no longer.
+    pub fn release(&mut self, faces: CrossingFaces) {
+        self.released.add(faces);
+        self.free = OwnedElements::free(self.cage, &self.released);
     }
 }

@@ -87,6 +87,14 @@ impl Crossings {
     }
 }
 
+impl CrossingFaces {
+    /// Adds others.
+    pub fn add(&mut self, others: Self) {
+        self.body.extend(others.body);
+        self.own.extend(others.own);
+    }
+}
+
 /// Faces of a cage that cross.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CrossingFaces {

@@ -21,7 +21,8 @@ pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
 
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::Mesh;
-use crate::mesh::{Elements, FaceId};
+use crate::mesh::{Elements, FaceId, VertexId};
+use bound::BoundPoints;
 use cage::Cage;
 use glam::{DVec3, Vec3};
 use path::Path;
@@ -30,6 +31,10 @@ use std::collections::BTreeSet;
 /// Share of the points inside the body, or distance from it as a share of its size, from which a garment is not on the body.
 const MOST_INSIDE: f64 = 0.5;
 const MOST_DISTANCE: f64 = 0.25;
+
+/// Share of edges that follow the body, and of points that go inside it, beyond which the garment did not follow.
+const LEAST_KEPT: f64 = 0.5;
+const MOST_SUNK: f64 = 0.2;
 
 /// How sets of the garment follow the body.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +95,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     let points = path.run();
     let figures = FitFigures::new(mesh, &path, &points);
     warnings.extend(new_crossings(mesh, &path, &points));
+    warnings.extend(left_behind(mesh, &path, &points, &figures));
     let points: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
     if points.iter().any(|p| !p.is_finite()) {
         let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
@@ -113,6 +119,27 @@ fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
     Some(
         Warning::new(Code::OffBody, &mesh.prim, problem)
             .remedy("Name the body that the garment was made for by --from, in the same place and unit"),
+    )
+}
+
+/// The warning of a garment that did not follow its body.
+fn left_behind(mesh: &Mesh, path: &Path, points: &[DVec3], figures: &FitFigures) -> Option<Warning> {
+    let after = BoundPoints::new(path.bodies, &path.bodies.to, points);
+    let heights = path.bound.heights().zip(after.heights());
+    let sunk: Vec<usize> = heights.enumerate().filter(|(_, (a, b))| *a > 0.0 && *b < 0.0).map(|(v, _)| v).collect();
+    let problem = if path.share < 1.0 {
+        format!("it could not follow the body for more than {:.0} % of the way", 100.0 * path.share)
+    } else if figures.edges_kept < LEAST_KEPT {
+        format!("{:.0} % of its edges follow the body within 15 %", 100.0 * figures.edges_kept)
+    } else if sunk.len() as f64 > MOST_SUNK * points.len() as f64 {
+        format!("{} of {} points were outside of the body, and are inside it", sunk.len(), points.len())
+    } else {
+        return None;
+    };
+    Some(
+        Warning::new(Code::FitLeftBehind, &mesh.prim, problem)
+            .at(Elements::Points(sunk.into_iter().map(VertexId::new).collect()))
+            .remedy("Compare the bodies, and the sets of --rigid and --keep-length: there is no room, or what corresponds does not"),
     )
 }
 

@@ -9,7 +9,7 @@ use super::bound::BoundPoints;
 use super::cage::Cage;
 use super::clearance::Clearance;
 use super::contacts::apart;
-use super::crossings::Crossings;
+use super::crossings::{CrossingFaces, Crossings};
 use super::rigid::{Goal, Limit, RigidCage};
 use super::stretch::Surroundings;
 use glam::{DQuat, DVec3};
@@ -21,6 +21,8 @@ const MOST_CUTS: i32 = 6;
 const LAST_ROUNDS: usize = 8;
 /// How often what has crossed is held apart.
 const TRIES: usize = 6;
+/// How often faces that cannot follow are let go, so that the others can.
+const MOST_RELEASED: usize = 8;
 /// Pull of a point to where its place on the body went, against the pull of an edge, and the share of the body's size at which it
 /// is half of that.
 const PULL: f64 = 0.1;
@@ -35,6 +37,11 @@ pub struct Path<'a> {
     pub clearance: Clearance<'a>,
     surroundings: Surroundings,
     rigid: RigidCage<'a>,
+    /// What crossed in the last try of a step.
+    stuck: CrossingFaces,
+    released: usize,
+    /// The share of the way that it went.
+    pub share: f64,
 }
 
 /// A garment at a share of the way.
@@ -58,6 +65,9 @@ impl<'a> Path<'a> {
             surroundings: Surroundings::new(bodies, &bound.vertices()),
             rigid: RigidCage::new(cage, rest, pull, options),
             bound,
+            stuck: CrossingFaces::default(),
+            released: 0,
+            share: 0.0,
         }
     }
 
@@ -77,13 +87,14 @@ impl<'a> Path<'a> {
                     step = (2 * step).min(1 << MOST_CUTS);
                 }
                 None if step > 1 => step /= 2,
-                // The report has what could not follow.
-                None => {
-                    state.share = shape_share;
-                    at = next;
+                None if self.released < MOST_RELEASED => {
+                    self.released += 1;
+                    self.clearance.release(std::mem::take(&mut self.stuck));
                 }
+                None => break,
             }
         }
+        self.share = at as f64 / unit as f64;
         self.rigid.snap(&mut state.points);
         state.points
     }
@@ -138,10 +149,11 @@ impl<'a> Path<'a> {
             let goal = goal(limits);
             let mut points = state.points.clone();
             self.rigid.solve(&goal, &state.turns, &mut points);
-            let found = self.new_crossings(&points, shape);
+            let found = self.clearance.held_crossings(&points, shape);
             if found.is_empty() {
                 return Some(points);
             }
+            self.stuck = found.faces(self.cage);
             self.clearance.squeeze(&goal.limits, &points);
             self.hold_apart(&found, &before, &after, &mut held);
         }

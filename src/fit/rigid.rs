@@ -76,7 +76,11 @@ impl<'a> RigidCage<'a> {
                 (weights[e], is_kept[e]) = (weight, true);
             }
         }
-        let parts = options.rigid.iter().flat_map(|set| cage.parts_of(set)).collect();
+        let mut is_rigid = vec![false; cage.edges.len()];
+        for set in &options.rigid {
+            is_rigid.iter_mut().zip(cage.edges_in(set)).for_each(|(is, own)| *is |= own);
+        }
+        let parts = cage.parts_of(&is_rigid);
         Self { rest, edges: &cage.edges, weights, pull, is_kept, parts }
     }
 

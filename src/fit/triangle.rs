@@ -48,12 +48,14 @@ pub fn cross(first: [DVec3; 3], second: [DVec3; 3]) -> bool {
 fn goes_through([from, to]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
     let normal = (b - a).cross(c - a);
     let [start, end] = [from, to].map(|p| normal.dot(p - a));
-    if start * end >= 0.0 {
+    // A point in the plane counts as below it, so that an edge which ends there is counted on one side alone.
+    if (start > 0.0) == (end > 0.0) {
         return false;
     }
     let along = to - from;
     let volumes = [[a, b], [b, c], [c, a]].map(|[p, q]| along.dot((p - from).cross(q - from)));
-    volumes.iter().all(|v| *v > 0.0) || volumes.iter().all(|v| *v < 0.0)
+    let is_inside = volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0);
+    is_inside && volumes != [0.0; 3]
 }
 
 fn sides([a, b, c]: [DVec3; 3]) -> [[DVec3; 2]; 3] {

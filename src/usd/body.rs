@@ -3,7 +3,7 @@
 use super::read::{Model, Source};
 use super::shot::{StageMetrics, UpAxis};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
-use crate::garment::{Mesh, check_garment};
+use crate::garment::{Mesh, Orientation, check_garment};
 use glam::{DMat4, DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
@@ -16,9 +16,17 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Erro
     let (mut mesh, of_check) = check_garment(mesh)?;
     warnings.extend(of_check);
     let to_garment = stage_to_garment(garment, body) * body.model.transforms.to_world;
-    if !to_garment.is_finite() {
-        let fault = Error::new(ErrorKind::Usd, garment.prim(), "it has a transform that flattens it");
+    let turns = to_garment.determinant();
+    if !to_garment.is_finite() || turns == 0.0 {
+        let flat = if garment.model.transforms.to_world.determinant() == 0.0 { garment } else { body };
+        let fault = Error::new(ErrorKind::Usd, flat.prim(), "it has a transform that flattens it");
         return Err(fault.code(ErrorCode::MeshSize).remedy("give it scales that are not 0"));
+    }
+    if turns < 0.0 {
+        mesh.orientation = match mesh.orientation {
+            Orientation::LeftHanded => Orientation::RightHanded,
+            Orientation::RightHanded => Orientation::LeftHanded,
+        };
     }
     for point in mesh.points.iter_mut() {
         *point = to_garment.transform_point3(point.as_dvec3()).as_vec3();

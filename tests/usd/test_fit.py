@@ -294,6 +294,57 @@ def test_panels_rest_graded_to_the_other_body_also_after_two_fits(usdtailor, tmp
         assert abs(np.ptp(rest[:, 0]) / girth - 1) < 0.04 and abs(np.ptp(rest[:, 1]) / np.ptp(fitted.points[:, 1]) - 1) < 0.04
 
 
+def test_what_stays_behind_is_told(usdtailor, sleeve, tmp_path):
+    def finish(mesh):
+        points = mesh.GetPointsAttr().Get()
+        for time in (1, 2, 3):
+            mesh.GetPointsAttr().Set(points, time)
+        UsdGeom.Sphere.Define(mesh.GetPrim().GetStage(), "/Coat/button")
+        mesh.GetPrim().CreateAttribute("tailor:trim:buttons:prims", Sdf.ValueTypeNames.TokenArray).Set(["button"])
+
+    paths = sleeve(finish)
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "out.usda")
+    assert "button: not carried: they are prims of their own" in done.stderr and "over 3 times: not carried: the fitted points are of one time" in done.stderr and "the model keeps it" not in done.stderr, done.stderr
+
+
+def test_a_garment_that_cannot_follow_is_told_in_time(usdtailor, sleeve, tmp_path):
+    whole = lambda mesh: add_subset(mesh, name="whole", element="face", indices=list(range(10 * AROUND)))  # noqa: E731
+    paths, out = sleeve(whole), tmp_path / "out.usda"
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--rigid", "whole")
+    assert "fit-" in done.stderr, done.stderr
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "strict.usda", "--rigid", "whole", "--strict", code=1)
+    assert not (tmp_path / "strict.usda").exists()
+    # Two layers at one place, which cross each other wherever they move.
+    (points, counts, quads), _ = tube(1.2, 4, AROUND, 10)
+    twice = write_tube(tmp_path / "twice.usda", (np.concatenate([points, points]), np.tile(counts, 2), np.concatenate([quads, quads + len(points)])))
+    fit(usdtailor, twice, "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--force")
+    assert radii(Triangles(out).points).min() > 1.5
+
+
+def test_mirrored_and_left_handed_bodies_are_not_inside_out(usdtailor, sleeve, tmp_path):
+    paths = sleeve()
+    for name, finish in (("left", lambda mesh: mesh.CreateOrientationAttr("leftHanded")), ("mirrored", lambda mesh: UsdGeom.Xformable(mesh).AddScaleOp().Set((-1, 1, 1)))):
+        bodies = []
+        for body, radius in (("arm", 1), ("thick", 1.5)):
+            shape, uvs = tube(radius, 8, 20, 24)
+            if name == "left":
+                shape = (shape[0], shape[1], shape[2].reshape(-1, 4)[:, ::-1].ravel())
+            bodies.append(write_tube(tmp_path / f"{name}_{body}.usda", shape, uvs, finish=finish))
+        fit(usdtailor, paths["sleeve"], "--from", bodies[0], "--to", bodies[1], "-o", tmp_path / f"{name}.usda", "--strict")
+
+
+def test_points_are_read_and_written_at_the_time_that_is_given(usdtailor, sleeve, tmp_path):
+    def finish(mesh):
+        points = np.array(mesh.GetPointsAttr().Get())
+        mesh.GetPointsAttr().Clear()
+        for time in (1, 2):
+            mesh.GetPointsAttr().Set((points + (0, time - 1, 0)).astype(np.float32), time)
+
+    paths, out = sleeve(finish), tmp_path / "out.usda"
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["plump"], "-o", out, "--time", 2)
+    assert abs(Triangles(out).points[:, 1].mean() - 1) < 0.05
+
+
 def test_panels_that_are_sewn_stay_together(usdtailor, tmp_path):
     stage = Usd.Stage.CreateNew(str(tmp_path / "sewn.usda"))
     UsdGeom.SetStageUpAxis(stage, "Y")
@@ -331,6 +382,12 @@ def test_what_is_wrong_with_bodies_is_told_and_nothing_is_written(usdtailor, sle
     assert "buttons" in done.stderr and not out.exists()
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", paths["sleeve"], "--force", code=1)
     assert "input" in done.stderr
+    for body in ("arm", "thick"):
+        before = paths[body].read_bytes()
+        done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", paths[body], "--force", code=1)
+        assert "is a body" in done.stderr and paths[body].read_bytes() == before
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "out.usdz", code=1)
+    assert "package" in done.stderr and not (tmp_path / "out.usdz").exists()
 
 
 def test_a_garment_that_is_not_on_its_body_is_told(usdtailor, sleeve, tmp_path):

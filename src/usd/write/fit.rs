@@ -11,7 +11,7 @@ use crate::usd::{BuildRecord, names, on_large_stack};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
-use openusd::usd::Stage;
+use openusd::usd::{Stage, TimeCode};
 use std::path::Path;
 
 /// A garment with new points.
@@ -20,6 +20,8 @@ pub struct FittedGarment<'a> {
     pub source: &'a Source,
     /// Its points, in the order of [`Source::garment`].
     pub points: &'a [Vec3],
+    /// The time at which it was read. \[time codes\]
+    pub time: Option<f64>,
 }
 
 /// Writes the points of garments of one stage as a layer over it, with a record of what they were made of. Authored normals are
@@ -39,13 +41,15 @@ pub fn write_fitted(
     on_large_stack(|| {
         let (stage, anchor) = (model.origin.open()?, file.anchor());
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
+        let mut motions = Warnings::default();
         for garment in garments {
             let model = &garment.source.model;
             let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::None };
-            garment.author(&stage, &mut author)?;
+            motions.extend(garment.author(&stage, &mut author)?);
         }
         record.author(&mut data)?;
-        let (_, warnings) = file.save(data)?;
+        let (_, mut warnings) = file.save(data)?;
+        warnings.extend(motions);
         Ok(warnings)
     })
 }
@@ -80,13 +84,14 @@ pub fn write_bodies(
         let above = model.path.strict_ancestors_below_root().last().unwrap_or_else(|| model.path.clone());
         let mut data = overlay(model, context)?;
         refer(&mut data, &above).or_unreadable(&above)?;
+        let mut motions = Warnings::default();
         for choice in choices {
             let mut part = overlay(model, context)?;
             PrimSpec::over(&mut part, &above).or_unreadable(&above)?;
             for garment in &choice.garments {
                 let model = &garment.source.model;
                 let mut author = Author { data: &mut part, model, anchor, is_overlay: true, sets: SetChoice::None };
-                garment.author(&stage, &mut author)?;
+                motions.extend(garment.author(&stage, &mut author)?);
             }
             let selection =
                 Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
@@ -102,6 +107,7 @@ pub fn write_bodies(
             let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
             warnings.push(Warning::not_carried(format!("/{name}"), why));
         }
+        warnings.extend(motions);
         Ok(warnings)
     })
 }
@@ -127,12 +133,14 @@ fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
 }
 
 impl FittedGarment<'_> {
-    fn author(&self, stage: &Stage, author: &mut Author) -> Result<(), Error> {
-        let (model, mut next) = (&self.source.model, 0);
+    /// Authors the points of each mesh. Warns of points that move, which those of one time hide.
+    fn author(&self, stage: &Stage, author: &mut Author) -> Result<Warnings, Error> {
+        let (model, mut next, mut warnings) = (&self.source.model, 0, Warnings::default());
+        let time = self.time.map(TimeCode::new);
         for panel in &model.panels {
             let prim = prim_at(stage, panel)?;
-            let from_garment = transforms(&prim, None)?.to_world.inverse() * model.transforms.to_world;
-            let own: Vec<Vec3> = match value(&prim, names::POINTS, None)? {
+            let from_garment = transforms(&prim, time)?.to_world.inverse() * model.transforms.to_world;
+            let own: Vec<Vec3> = match value(&prim, names::POINTS, time)? {
                 Some(Value::Vec3fVec(points)) => bytemuck::cast_slice(&points).to_vec(),
                 _ => Vec::new(),
             };
@@ -146,14 +154,19 @@ impl FittedGarment<'_> {
             next += count;
             let is_normals = |name: &String| [names::NORMALS, "primvars:normals"].contains(&name.as_str());
             let normals: Vec<String> = property_names(&prim)?.into_iter().filter(is_normals).collect();
-            let made: Vec<Vec3> = match value(&prim, names::FIT_FROM, None)? {
+            let made: Vec<Vec3> = match value(&prim, names::FIT_FROM, time)? {
                 // It was fitted before.
                 Some(Value::Vec3fVec(made)) if made.len() == count => bytemuck::cast_slice(&made).to_vec(),
                 _ => own,
             };
             author.fitted(panel, &points, &made, &normals).or_unreadable(panel)?;
+            let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(panel)?.len();
+            if times > 1 {
+                let place = format!("the motion of {panel}.{} over {times} times", names::POINTS);
+                warnings.push(Warning::not_carried(place, "the fitted points are of one time, and hide it"));
+            }
         }
-        Ok(())
+        Ok(warnings)
     }
 }
 
