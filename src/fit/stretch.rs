@@ -104,12 +104,17 @@ mod tests {
         ((0..480).map(at).collect(), around.chain((0..468).map(|i| [i, i + 12])).collect())
     }
 
+    /// Bodies of edges, with triangles as far as their size needs some.
+    fn bodies(edges: Vec<[usize; 2]>, from: Vec<DVec3>, to: Vec<DVec3>) -> Bodies {
+        Bodies { triangles: (2..480).map(|i| [i - 2, i - 1, i]).collect(), edges, from, to }
+    }
+
     #[test]
     fn a_limb_that_grows_around_and_not_along_stretches_so() {
         let ((from, edges), (to, _)) = (tube(0.5, 20.0), tube(0.8, 20.0));
         let turn = DQuat::from_axis_angle(DVec3::new(1.0, 1.0, 0.0).normalize(), 1.0);
         let to: Vec<DVec3> = to.into_iter().map(|p| turn * p + DVec3::X).collect();
-        let bodies = Bodies { edges, from, to, ..Bodies::default() };
+        let bodies = bodies(edges, from, to);
         let [stretch] = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[..] else {
             panic!("one place has one stretch")
         };
@@ -127,7 +132,7 @@ mod tests {
         edges.extend(of_others.into_iter().map(|edge| edge.map(|v| v + 480)));
         to.extend(others.iter().map(|p| *p * 3.0));
         from.extend(others.into_iter().map(|p| p + 0.6 * DVec3::X));
-        let bodies = Bodies { edges, from, to, ..Bodies::default() };
+        let bodies = bodies(edges, from, to);
         let stretch = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[0];
         assert!((stretch - DMat3::IDENTITY).x_axis.length() < 1e-6, "{stretch}");
     }

@@ -3,6 +3,9 @@
 use crate::contact::Aabb;
 use glam::DVec3;
 
+/// Share of the size of triangles by which a point may be above a plane that it lies in.
+const ROUNDING: f64 = 1e-12;
+
 /// The point of a triangle with these weights of its corners.
 pub fn at([a, b, c]: [DVec3; 3], weights: DVec3) -> DVec3 {
     a * weights.x + b * weights.y + c * weights.z
@@ -48,8 +51,11 @@ pub fn cross(first: [DVec3; 3], second: [DVec3; 3]) -> bool {
 fn goes_through([from, to]: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
     let normal = (b - a).cross(c - a);
     let [start, end] = [from, to].map(|p| normal.dot(p - a));
-    // A point in the plane counts as below it, so that an edge which ends there is counted on one side alone.
-    if (start > 0.0) == (end > 0.0) {
+    // A point in the plane counts as below it, so that an edge which ends there is counted on one side alone. Rounding may lift
+    // points of coplanar triangles.
+    let size = (b - a).abs().max(to - from).max(from - a).max_element();
+    let rounding = ROUNDING * normal.length() * size;
+    if (start > rounding) == (end > rounding) {
         return false;
     }
     let along = to - from;
@@ -77,6 +83,14 @@ mod tests {
         let flat = [DVec3::ZERO, 2.0 * DVec3::X, 2.0 * DVec3::Y];
         let upright = |x: f64, low: f64| [DVec3::new(x, 0.5, low), DVec3::new(x, 0.6, 1.0), DVec3::new(x, 0.4, 1.0)];
         assert!(cross(flat, upright(0.5, -0.1)) && cross(upright(0.5, -0.1), flat));
+        // A corner in the plane is below it; coplanar triangles beside each other do not cross.
+        assert!(cross(flat, upright(0.5, 0.0)));
+        let (x, y) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.48, 0.64, -0.36).normalize());
+        let beside = |at: DVec3| [at, at + x / 3.0, at + y / 7.0];
+        for i in 0..100 {
+            let at = x * (0.37 * f64::from(i)) + y;
+            assert!(!cross(beside(at), beside(at + x / 3.0)) && !cross(beside(at), beside(at + y / 7.0)));
+        }
         assert!(!cross(flat, upright(0.5, 0.1)) && !cross(flat, upright(1.7, -0.1)));
         let away = between(upright(0.5, 0.1), flat);
         assert!(away.distance(0.1 * DVec3::Z) < 1e-6, "{away}");

@@ -182,6 +182,8 @@ def test_a_sleeve_grows_with_the_arm_and_keeps_its_ease(usdtailor, sleeve, tmp_p
     assert not crossings(fitted, Triangles(paths["thick"]))[0] and not own
     arm = 1.5 + 0.4 * np.sin(np.pi * (fitted.points[:, 1] / 8 + 0.5))
     assert (radii(fitted.points) > arm).all()
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--force")
+    assert done.stdout.count("0 before, 0 after, 0 new") == 2, done.stdout
     # Between the ease that it had and that of the larger arm.
     assert 0.2 <= np.median(radii(fitted.points) - arm) < 0.2 * 1.9
     assert abs(np.ptp(fitted.points[:, 1]) - 4) < 0.3
