@@ -790,5 +790,6 @@ export type WarningCode =
   | "unattached"
   | "unsewn-borders"
   | "off-body"
+  | "fit-left-behind"
   | "fit-crosses"
   | "threads-capped";
