@@ -313,7 +313,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     check_target(&opened[0].source, &task.output, command.force)?;
     let body = |file: &Path| {
         let read = ReadOptions { prim: command.body_prim.clone(), ..ReadOptions::default() };
-        Source::open(file, &read)
+        Source::open(file, &read).map_err(of_body)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
     bodies.iter().try_for_each(|body| check_target(body, &task.output, command.force))?;
@@ -326,6 +326,14 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
         garments.iter().try_for_each(|done| done.warnings.strict())?;
     }
     Ok((garments, record))
+}
+
+/// A fault of reading a body, whose mesh has a flag of its own.
+fn of_body(mut error: Error) -> Error {
+    for fault in &mut error.faults {
+        fault.remedy = fault.remedy.replace("--prim", "--body-prim");
+    }
+    error
 }
 
 /// One garment, fitted.

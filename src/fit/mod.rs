@@ -61,6 +61,7 @@ pub struct Fitted {
 /// ```
 /// use tailor::fit::{Bodies, FitOptions, fit};
 /// use tailor::glam::Vec3;
+/// # use std::sync::Arc;
 /// # use tailor::{Builder, Garment};
 ///
 /// # fn main() -> Result<(), tailor::Error> {
@@ -69,17 +70,18 @@ pub struct Fitted {
 ///     (0..25).map(|i| Vec3::new(size * (i % 5) as f32, size * (i / 5) as f32, height)).collect()
 /// };
 /// let corners: Vec<i32> = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [i, i + 1, i + 6, i + 5]).collect();
-/// let mesh = |points: Vec<Vec3>| -> Result<tailor::Mesh, tailor::Error> {
+/// let mesh = |points: Vec<Vec3>| -> Result<Arc<tailor::Mesh>, tailor::Error> {
 ///     let mesh = Garment {
 ///         points,
 ///         face_vertex_counts: vec![4; 16],
 ///         face_vertex_indices: corners.clone(),
 ///         ..Garment::default()
 ///     };
-///     Ok(Builder::new(mesh)?.garment().clone())
+///     Ok(Arc::clone(Builder::new(mesh)?.garment()))
 /// };
 /// let (small, large) = (mesh(grid(1.0, 0.0))?, mesh(grid(2.0, 0.0))?);
-/// let fitted = fit(&mesh(grid(1.0, 0.1))?, &Bodies::new(&small, &large)?, &FitOptions::default())?;
+/// let sheet = mesh(grid(1.0, 0.1))?;
+/// let fitted = fit(&sheet, &Bodies::new(&small, &large)?, &FitOptions::default())?;
 /// assert!(fitted.points[24].distance(Vec3::new(8.0, 8.0, 0.1)) < 0.05, "{}", fitted.points[24]);
 /// # Ok(())
 /// # }

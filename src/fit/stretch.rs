@@ -29,12 +29,17 @@ impl Surroundings {
             neighbours[a].push((b, length));
             neighbours[b].push((a, length));
         }
-        let reach = REACH * bodies.size();
+        let least = REACH * bodies.size();
         let area = |own: &Vec<(usize, f64)>| own.iter().map(|n| n.1 * n.1).sum::<f64>() / own.len().max(1) as f64;
         let areas: Vec<f64> = neighbours.iter().map(area).collect();
         // A vertex counts for the area around it, less where it is farther away.
-        let weigh = |(v, distance): (usize, f64)| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
-        let around = |&place: &usize| within(&neighbours, place, reach).into_iter().map(weigh).collect();
+        let around = |&place: &usize| {
+            // On a coarse body the neighbours count at least.
+            let longest = neighbours[place].iter().map(|n| n.1).fold(0.0, f64::max);
+            let reach = least.max(2.0 * longest);
+            let weigh = |(v, distance): (usize, f64)| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
+            within(&neighbours, place, reach).into_iter().map(weigh).collect()
+        };
         Self { of: places.par_iter().map(around).collect() }
     }
 

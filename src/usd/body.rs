@@ -22,6 +22,8 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Erro
         let fault = Error::new(ErrorKind::Usd, flat.prim(), "it has a transform that flattens it");
         return Err(fault.code(ErrorCode::MeshSize).remedy("give it scales that are not 0"));
     }
+    // Two bodies often have one path.
+    mesh.prim = format!("{} {}", body.file().display(), body.prim());
     if turns < 0.0 {
         mesh.orientation = match mesh.orientation {
             Orientation::LeftHanded => Orientation::RightHanded,

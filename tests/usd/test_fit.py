@@ -377,7 +377,8 @@ def test_what_is_wrong_with_bodies_is_told_and_nothing_is_written(usdtailor, sle
     bare = write_tube(tmp_path / "bare.usda", tube(1.5, 8, 30, 37)[0])
     elsewhere = write_tube(tmp_path / "elsewhere.usda", tube(1.5, 8, 30, 37)[0], tube(1.5, 8, 30, 37)[1] + 3)
     broken = write_tube(tmp_path / "broken.usda", tube(math.nan, 8, 20, 24)[0])
-    for body, words in ((bare, "no UV set in common"), (elsewhere, "are on no face"), (broken, "not finite"), (tmp_path / "none.usda", "none.usda")):
+    several = write_tube(tmp_path / "several.usda", *tube(1.5, 8, 20, 24), finish=lambda mesh: define(mesh.GetPrim().GetStage(), "/Coat/eyes", tube(0.1, 1, 8, 2)[0]))
+    for body, words in ((bare, "bare.usda /Coat/model: it has other faces than"), (several, "--body-prim"), (bare, "no UV set in common"), (elsewhere, "are on no face"), (broken, "not finite"), (tmp_path / "none.usda", "none.usda")):
         done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", body, "-o", out, code=1)
         assert words in done.stderr and not out.exists(), done.stderr
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--rigid", "buttons", code=1)
