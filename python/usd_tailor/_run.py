@@ -102,6 +102,7 @@ def fit(
     prim: "str | None" = None,
     all: bool = False,
     body_prim: "str | None" = None,
+    pairs: "str | os.PathLike[str] | None" = None,
     force: bool = False,
 ) -> Fitted:
     """Moves a garment to another body, as ``usdtailor fit`` does.
@@ -116,12 +117,14 @@ def fit(
         prim: Path of the mesh, if there are several.
         all: All meshes; panels whose borders coincide are sewn.
         body_prim: Path of the mesh in the files of bodies.
+        pairs: A file of places that correspond, for bodies with neither.
 
     Raises:
         TailorError: The garment, a body or the output is refused. Nothing is written then.
     """
     arguments = ["fit", os.fspath(garment), "--from", os.fspath(body), "--to", os.fspath(to), "-o", os.fspath(output), "--quiet", "--report", "-"]
-    arguments += _arguments(prim=prim, all=all) + (["--body-prim", body_prim] if body_prim else []) + (["--force"] if force else [])
+    arguments += _arguments(prim=prim, all=all) + (["--force"] if force else [])
+    arguments += ([] if body_prim is None else ["--body-prim", body_prim]) + ([] if pairs is None else ["--pairs", os.fspath(pairs)])
     for flag, names in (("--rigid", rigid), ("--keep-length", keep_length)):
         arguments += [part for name in names for part in (flag, name)]
     report: dict[str, Any] = json.loads(run(arguments))

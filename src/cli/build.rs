@@ -352,10 +352,7 @@ fn write(
 
 /// True if the output was made by this program of these files with these options.
 fn is_fresh(build: &Build, task: &Task) -> bool {
-    BuildRecord::of(&task.output).is_some_and(|record| {
-        Request::of(build, task).is_ok_and(|request| request.text() == record.request())
-            && record.changes(&task.output).is_ok_and(|changes| changes.is_empty())
-    })
+    Request::of(build, task).is_ok_and(|request| BuildRecord::is_fresh(&task.output, &request.text()))
 }
 
 /// The files of an input that are not layers of its stage.

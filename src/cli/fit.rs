@@ -1,12 +1,13 @@
 //! `usdtailor fit`.
 
 mod pairs;
+mod shown;
 
 use super::process::folders::MadeFolders;
-use super::text::{print_error, print_warnings, warning_json};
+use super::text::{print_error, print_warnings};
 use super::{Inputs, Output, report, usage};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::fit::{Bodies, CrossingCount, FitFigures, FitOptions, fit};
+use crate::fit::{Bodies, FitFigures, FitOptions, fit};
 use crate::garment::Elements;
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
@@ -18,6 +19,7 @@ use crate::usd::{
 use clap::Args;
 use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
+use shown::{in_report, summary, with_files};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -90,7 +92,7 @@ struct Done {
     warnings: Warnings,
 }
 
-/// What the tasks have given.
+/// The text, the reports and the exit code of the tasks so far.
 #[derive(Default)]
 struct Results {
     text: String,
@@ -198,6 +200,9 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
         return Err(fault.remedy("name a folder, which is made where it is missing, or fit to one body at a time"));
     }
     let mut known = HashSet::new();
+    if command.variant_set.is_some() {
+        known.insert((out.clone(), Some(stem(&command.from))));
+    }
     let task = |(input, to): (&PathBuf, &PathBuf)| {
         let [garment, body] = [input, to].map(|file| stem(file));
         let output = if is_folder { out.join(format!("{garment}_{body}.usdc")) } else { out.clone() };
@@ -205,10 +210,14 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
             let fault = usage("", format!("{} is a body", body.display())).code(ErrorCode::OutputIsInput);
             return Err(fault.remedy("write to another file; bodies are never changed"));
         }
-        if known.insert((output.clone(), command.variant_set.is_some().then_some(body))) {
+        if known.insert((output.clone(), command.variant_set.is_some().then(|| body.clone()))) {
             return Ok(Task { input: input.clone(), to: to.clone(), output });
         }
-        let fault = usage("", format!("two outputs would be {}", output.display())).code(ErrorCode::OutputPath);
+        let what = match command.variant_set {
+            Some(_) => format!("two variants would be named {body}"),
+            None => format!("two outputs would be {}", output.display()),
+        };
+        let fault = usage("", what).code(ErrorCode::OutputPath);
         Err(fault.remedy("give the files other names, or fit them into separate folders"))
     };
     all.into_iter().map(task).collect()
@@ -216,10 +225,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
 
 /// Whether the output was made by this program of these files with these options.
 fn is_fresh(command: &Fit, task: &Task) -> bool {
-    BuildRecord::of(&task.output).is_some_and(|record| {
-        request(command, task).is_ok_and(|request| request == record.request())
-            && record.changes(&task.output).is_ok_and(|changes| changes.is_empty())
-    })
+    request(command, task).is_ok_and(|request| BuildRecord::is_fresh(&task.output, &request))
 }
 
 /// The options that shape an output, as its record has them. Those of reading have the names that a build gives them.
@@ -359,7 +365,7 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
 
 /// The bodies in the space of a garment.
 fn bodies(command: &Fit, garment: &Source, files: &[Source; 2]) -> Result<Bodies, Error> {
-    let [from, to] = [body_of(garment, &files[0])?, body_of(garment, &files[1])?].map(|(mesh, _)| mesh);
+    let [from, to] = [body_of(garment, &files[0])?, body_of(garment, &files[1])?];
     let Some(file) = &command.pairs else { return Bodies::new(&from, &to) };
     let [of_from, of_to] = files.each_ref().map(|body| stage_to_garment(garment, body));
     let placed = |[a, b]: [DVec3; 2]| [of_from.transform_point3(a), of_to.transform_point3(b)];
@@ -375,60 +381,4 @@ fn set(builder: &Builder, recipe: &Recipe, flag: &str, expression: &str) -> Resu
         return Err(fault.remedy("`usdtailor sets` lists the sets of the garment"));
     }
     Ok(elements)
-}
-
-fn summary(task: &Task, garments: &[Done]) -> String {
-    let mut text = format!("{} -> {}\n", task.input.display(), task.output.display());
-    for Done { source, figures, .. } in garments {
-        let FitFigures { body_crossings, own_crossings, distance, lengths, angles, .. } = figures;
-        let least = distance.least.map(|least| least.map_or_else(|| "far".to_owned(), |least| format!("{least:.4}")));
-        let crossings =
-            |count: &CrossingCount| format!("{} before, {} after, {} new", count.before, count.after, count.new);
-        let rows = [
-            ("body", format!("{}, by {}", task.to.display(), source.whole())),
-            ("faces through body", crossings(body_crossings)),
-            ("faces through faces", crossings(own_crossings)),
-            (
-                "distance",
-                format!(
-                    "{} to {} at least, {:.3} to {:.3} on average",
-                    least[0], least[1], distance.mean[0], distance.mean[1]
-                ),
-            ),
-            (
-                "edges",
-                format!(
-                    "{:.1} % follow the body within 15 %; {:.2} to {:.2} of their lengths, {:.2} on average",
-                    100.0 * figures.edges_kept,
-                    lengths[0],
-                    lengths[2],
-                    lengths[1]
-                ),
-            ),
-            ("angles", format!("{:.1} degrees of change on average, 95 % below {:.1}", angles[0], angles[1])),
-        ];
-        for (name, value) in rows {
-            text += &format!("  {name:<20} {value}\n");
-        }
-    }
-    text
-}
-
-fn in_report(command: &Fit, task: &Task, garments: &[Done]) -> Value {
-    let of_garment = |done: &Done| {
-        let mut json = json!(done.figures);
-        json["prim"] = json!(done.source.whole());
-        json["warnings"] = done.warnings.iter().map(warning_json).collect();
-        json
-    };
-    let all: Vec<Value> = garments.iter().map(of_garment).collect();
-    with_files(command, task, json!({ "status": "fitted", "garments": all }))
-}
-
-/// A report with the files that it is of.
-fn with_files(command: &Fit, task: &Task, mut report: Value) -> Value {
-    for (name, file) in [("input", &task.input), ("from", &command.from), ("to", &task.to), ("output", &task.output)] {
-        report[name] = json!(file.display().to_string());
-    }
-    report
 }

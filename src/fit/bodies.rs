@@ -1,10 +1,8 @@
 //! A body in two shapes.
 
-use super::triangle::{aabb, at, closest_weights};
-use crate::contact::{Aabb, NearestSearch};
+use super::triangle::{TriangleSearch, at};
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::garment::{Meaning, Mesh, Orientation, Primvar, PrimvarRole, Values};
-use crate::mesh::VertexId;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -51,14 +49,11 @@ impl Bodies {
                 format!("give 4 to {MOST_PAIRS} pairs that are not all in one plane, such as one for each joint");
             Error::new(ErrorKind::Mesh, &to.prim, text).code(ErrorCode::BodiesDiffer).remedy(remedy)
         })?;
-        let (triangles, points) = (fans(to), as_doubles(to));
-        let corners: Vec<[DVec3; 3]> = triangles.iter().map(|t| t.map(|v| points[v])).collect();
-        let search = NearestSearch::new(&corners.iter().map(|t| aabb(t)).collect::<Vec<_>>());
+        let points = as_doubles(to);
+        let search = TriangleSearch::new(fans(to).iter().map(|t| t.map(|v| points[v])).collect());
         let onto = |point: &DVec3| {
             let near = spline.at(*point);
-            let distance = |t: usize, p: DVec3| at(corners[t], closest_weights(corners[t], p)).distance_squared(p);
-            let found = search.nearest(near.as_vec3(), distance);
-            found.map_or(near, |t| at(corners[t], closest_weights(corners[t], near)))
+            search.nearest(near).map_or(near, |(.., place)| place)
         };
         Ok(Self::of(from, as_doubles(from).par_iter().map(onto).collect()))
     }
@@ -184,18 +179,14 @@ fn by_uvs(from: &Mesh, to: &Mesh) -> Result<Vec<DVec3>, Error> {
     from.faces.corners().enumerated().for_each(|(corner, v)| {
         uv_of[v.index()].get_or_insert(own[corner.index()]);
     });
-    let (triangles, uvs) = (fans(to), uv_fans(to, &of_to));
-    let boxes: Vec<Aabb> = uvs.iter().map(|t| aabb(t)).collect();
-    let search = NearestSearch::new(&boxes);
+    let (triangles, points) = (fans(to), as_doubles(to));
+    let search = TriangleSearch::new(uv_fans(to, &of_to));
     let found: Vec<Option<(DVec3, f64)>> = uv_of
         .par_iter()
         .map(|uv| {
             let uv: DVec3 = (*uv)?;
-            let distance = |t: usize, p: DVec3| at(uvs[t], closest_weights(uvs[t], p)).distance_squared(p);
-            let t = search.nearest(uv.as_vec3(), distance)?;
-            let weights = closest_weights(uvs[t], uv);
-            let place = at(triangles[t].map(|v| to.points[VertexId::new(v)].as_dvec3()), weights);
-            Some((place, at(uvs[t], weights).distance(uv)))
+            let (triangle, weights, place) = search.nearest(uv)?;
+            Some((at(triangles[triangle].map(|v| points[v]), weights), place.distance(uv)))
         })
         .collect();
     let missing = found.iter().flatten().filter(|(_, distance)| *distance > UV_TOLERANCE).count();

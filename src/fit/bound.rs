@@ -1,8 +1,7 @@
 //! Points bound to the triangles of a body, which take them along.
 
 use super::bodies::Bodies;
-use super::triangle::{aabb, at, closest_weights};
-use crate::contact::{Aabb, NearestSearch};
+use super::triangle::{TriangleSearch, at};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
@@ -24,15 +23,12 @@ pub struct BoundPoints<'a> {
 impl<'a> BoundPoints<'a> {
     /// Binds points to a shape.
     pub fn new(bodies: &'a Bodies, shape: &[DVec3], points: &[DVec3]) -> Self {
-        let corners = |triangle: usize| bodies.triangles[triangle].map(|v| shape[v]);
-        let boxes: Vec<Aabb> = (0..bodies.triangles.len()).map(|t| aabb(&corners(t))).collect();
-        let (search, normals) = (NearestSearch::new(&boxes), normals(&bodies.triangles, shape));
+        let search = TriangleSearch::new(bodies.triangles.iter().map(|t| t.map(|v| shape[v])).collect());
+        let normals = normals(&bodies.triangles, shape);
         let place = |&point: &DVec3| {
-            let squared = |t: usize, p: DVec3| at(corners(t), closest_weights(corners(t), p)).distance_squared(p);
-            let triangle = search.nearest(point.as_vec3(), squared).unwrap_or(0);
-            let weights = closest_weights(corners(triangle), point);
+            let (triangle, weights, on) = search.nearest(point).unwrap_or((0, DVec3::X, point));
             let frame = frame(bodies.triangles[triangle], weights, shape, &normals);
-            Place { triangle, weights, offset: point - at(corners(triangle), weights), frame }
+            Place { triangle, weights, offset: point - on, frame }
         };
         Self { bodies, places: points.par_iter().map(place).collect() }
     }

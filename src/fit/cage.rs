@@ -1,13 +1,13 @@
-//! What a fit needs of a garment's cage.
+//! The edges, triangles and faces of a garment's cage.
 
 use super::bodies::fans;
 use crate::garment::Mesh;
-use crate::mesh::{Elements, FaceId, Topology};
+use crate::mesh::{Elements, FaceId, Groups, Topology};
 use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::repeat_n;
 
-/// The edges, triangles and faces of a cage.
+/// A cage as lists of vertices.
 pub struct Cage {
     pub edges: Vec<[usize; 2]>,
     pub triangles: Vec<[usize; 3]>,
@@ -81,30 +81,20 @@ impl Cage {
 
     /// The parts that some of the edges connect, as their vertices.
     pub fn parts_of(&self, is_in: &[bool]) -> Vec<Vec<usize>> {
-        let mut part: Vec<usize> = (0..self.faces_at.len()).collect();
-        let mut has_edge = vec![false; part.len()];
-        for (&[a, b], _) in self.edges.iter().zip(is_in).filter(|(_, is_in)| **is_in) {
-            let [a_root, b_root] = [a, b].map(|v| root(&mut part, v));
-            part[a_root.max(b_root)] = a_root.min(b_root);
-            [a, b].into_iter().for_each(|v| has_edge[v] = true);
+        let mut groups = Groups::<usize>::new(self.vertex_count());
+        let joined: Vec<[usize; 2]> =
+            self.edges.iter().zip(is_in).filter(|(_, is_in)| **is_in).map(|(edge, _)| *edge).collect();
+        for &[a, b] in &joined {
+            groups.join(a, b);
         }
-        let mut parts = BTreeMap::<usize, Vec<usize>>::new();
-        for v in (0..part.len()).filter(|&v| has_edge[v]) {
-            parts.entry(root(&mut part, v)).or_default().push(v);
+        let mut parts = BTreeMap::<usize, BTreeSet<usize>>::new();
+        for v in joined.into_iter().flatten() {
+            parts.entry(groups.first(v)).or_default().insert(v);
         }
-        parts.into_values().collect()
+        parts.into_values().map(|part| part.into_iter().collect()).collect()
     }
 }
 
 fn ordered(a: usize, b: usize) -> [usize; 2] {
     [a.min(b), a.max(b)]
-}
-
-/// The lowest vertex of a part. Shortens the way there.
-fn root(part: &mut [usize], mut v: usize) -> usize {
-    while part[v] != v {
-        part[v] = part[part[v]];
-        v = part[v];
-    }
-    v
 }

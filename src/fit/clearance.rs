@@ -15,7 +15,7 @@ const KEPT: f64 = 0.6;
 const MOST: f64 = 0.15;
 const LEAST: f64 = 2e-3;
 
-/// What a cage may not pass, and how near it may come.
+/// The limits of a cage: the elements that it may not pass, and how near it may come to them.
 pub struct Clearance<'a> {
     cage: &'a Cage,
     bodies: &'a Bodies,
@@ -29,18 +29,12 @@ pub struct Clearance<'a> {
     distance: [Vec<f64>; 2],
     /// The share of its room that each vertex has kept where there was less.
     squeeze: Vec<f64>,
-    body: OwnedElements,
+    body: Elements,
     /// Elements of faces that are held off the body.
-    free: OwnedElements,
+    free: Elements,
 }
 
-struct OwnedElements {
-    vertices: Vec<usize>,
-    edges: Vec<[usize; 2]>,
-    triangles: Vec<[usize; 3]>,
-}
-
-impl OwnedElements {
+impl Elements {
     /// The elements of a cage that have a face which does not cross the body.
     fn free(cage: &Cage, crossing: &CrossingFaces) -> Self {
         let is_free = |vertices: &[usize]| cage.faces_of(vertices).any(|f| !crossing.body.contains(&f));
@@ -49,10 +43,6 @@ impl OwnedElements {
             edges: cage.edges.iter().copied().filter(|e| is_free(e)).collect(),
             triangles: cage.triangles.iter().copied().filter(|t| is_free(t)).collect(),
         }
-    }
-
-    fn borrowed(&self) -> Elements<'_> {
-        Elements { vertices: &self.vertices, edges: &self.edges, triangles: &self.triangles }
     }
 }
 
@@ -64,14 +54,14 @@ impl<'a> Clearance<'a> {
         // Points that no face has are not in the way.
         let mut is_used = vec![false; bodies.from.len()];
         bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
-        let body = OwnedElements {
+        let body = Elements {
             vertices: (0..is_used.len()).filter(|&v| is_used[v]).map(|v| count + v).collect(),
             edges: bodies.edges.iter().map(|e| e.map(|v| count + v)).collect(),
             triangles: bodies.triangles.iter().map(|t| t.map(|v| count + v)).collect(),
         };
         let distance = [(); 2].map(|()| vec![f64::INFINITY; count]);
         let edge = cage.mean_edges(rest);
-        let (released, free) = (start.clone(), OwnedElements::free(cage, &start));
+        let (released, free) = (start.clone(), Elements::free(cage, &start));
         let squeeze = vec![1.0; count];
         let mut clearance = Self { cage, bodies, start, released, edge, distance, squeeze, body, free };
         let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0);
@@ -87,7 +77,7 @@ impl<'a> Clearance<'a> {
     /// Contacts with the body and of the cage with itself, of the points of both. `scale` is that of the cage.
     pub fn contacts(&self, points: &[DVec3], scale: f64) -> [Vec<Contact>; 2] {
         let reach = |share: f64| self.edge.iter().map(|edge| share * edge).collect::<Vec<_>>();
-        let with_body = with_body(&self.free.borrowed(), &self.body.borrowed(), points, &reach(REACH[0]));
+        let with_body = with_body(&self.free, &self.body, points, &reach(REACH[0]));
         let own = &points[..self.edge.len()];
         [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.released)]
     }
@@ -127,7 +117,7 @@ impl<'a> Clearance<'a> {
         squeezed.for_each(|(squeeze, _)| *squeeze *= 0.5);
     }
 
-    /// The gap at which triangles are kept apart after they have crossed.
+    /// The gap that is kept beside a triangle which has crossed.
     pub fn least_of(&self, triangle: usize) -> f64 {
         LEAST * self.cage.triangles[triangle].iter().map(|&v| self.edge[v]).fold(f64::INFINITY, f64::min)
     }
@@ -137,12 +127,7 @@ impl<'a> Clearance<'a> {
         self.body.triangles[triangle]
     }
 
-    /// What crosses and did not at the start.
-    pub fn new_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
-        Crossings::of(self.cage, points, self.bodies, shape).without(&self.start, self.cage)
-    }
-
-    /// What crosses of all that is held.
+    /// The triangles that cross, of faces that are held.
     pub fn held_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
         Crossings::of(self.cage, points, self.bodies, shape).without(&self.released, self.cage)
     }
@@ -150,6 +135,6 @@ impl<'a> Clearance<'a> {
     /// Holds faces no longer.
     pub fn release(&mut self, faces: CrossingFaces) {
         self.released.add(faces);
-        self.free = OwnedElements::free(self.cage, &self.released);
+        self.free = Elements::free(self.cage, &self.released);
     }
 }

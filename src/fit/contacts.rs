@@ -55,8 +55,8 @@ impl Contact {
     }
 }
 
-/// What keeps two triangles apart: each corner of the first is above all of the second, along the direction in which they are
-/// nearest to each other at `near`.
+/// The limits that keep two triangles apart: each corner of the first stays above all corners of the second, along the direction in
+/// which the triangles are nearest to each other at `near`.
 pub fn apart(
     [first, second]: [[usize; 3]; 2],
     near: &[DVec3],
@@ -73,17 +73,17 @@ pub fn apart(
 }
 
 /// Elements of a surface.
-pub struct Elements<'a> {
-    pub vertices: &'a [usize],
-    pub edges: &'a [[usize; 2]],
-    pub triangles: &'a [[usize; 3]],
+pub struct Elements {
+    pub vertices: Vec<usize>,
+    pub edges: Vec<[usize; 2]>,
+    pub triangles: Vec<[usize; 3]>,
 }
 
 /// The contacts of elements of a cage with a body, within the reach of each vertex of the cage.
 pub fn with_body(cage: &Elements, body: &Elements, points: &[DVec3], reach: &[f64]) -> Vec<Contact> {
     let most = reach.iter().copied().fold(0.0, f64::max);
-    let (triangles, edges) = (Boxes::new(body.triangles, points), Boxes::new(body.edges, points));
-    let own = Boxes::new(cage.triangles, points);
+    let (triangles, edges) = (Boxes::new(&body.triangles, points), Boxes::new(&body.edges, points));
+    let own = Boxes::new(&cage.triangles, points);
     let of_point = |&v: &usize| {
         let near = triangles.near(&[points[v]], reach[v]).into_iter();
         near.filter_map(move |t| Contact::of_point(v, body.triangles[t], points, reach[v]))

@@ -45,7 +45,7 @@ pub struct Crossings {
 }
 
 impl Crossings {
-    /// Those of a cage at `points` and a body in a shape.
+    /// Finds where a cage at `points` crosses a body in a shape, and itself.
     pub fn of(cage: &Cage, points: &[DVec3], bodies: &Bodies, shape: &[DVec3]) -> Self {
         let (of_body, of_cage) = (Boxes::new(&bodies.triangles, shape), Boxes::new(&cage.triangles, points));
         let corners = |t: usize| cage.triangles[t].map(|v| points[v]);
@@ -75,7 +75,7 @@ impl Crossings {
         }
     }
 
-    /// Those that are not of faces which have crossed before.
+    /// Leaves out triangles of faces that have crossed before.
     pub fn without(mut self, before: &CrossingFaces, cage: &Cage) -> Self {
         self.body.retain(|&[t, _]| !before.body.contains(&cage.face[t]));
         self.own.retain(|&pair| !before.own.contains(&cage.pair_of(pair)));

@@ -2,7 +2,7 @@
 
 use super::bound::BoundPoints;
 use super::contacts::Contact;
-use super::crossings::Crossings;
+use super::crossings::{CrossingFaces, Crossings};
 use super::path::Path;
 use crate::garment::Mesh;
 use glam::DVec3;
@@ -65,14 +65,26 @@ pub struct SetLengths {
     pub body: f64,
 }
 
-impl FitFigures {
-    /// The figures of a garment at `points` on the second body.
-    pub(super) fn new(mesh: &Mesh, path: &Path, points: &[DVec3]) -> Self {
-        let (cage, before) = (path.cage, &path.clearance.start);
+/// A garment on the second body.
+pub(super) struct Ending<'a> {
+    pub points: Vec<DVec3>,
+    pub bound: BoundPoints<'a>,
+    pub crossings: CrossingFaces,
+}
+
+impl<'a> Ending<'a> {
+    pub fn new(path: &Path<'a>, points: Vec<DVec3>) -> Self {
         let to = &path.bodies.to;
-        let after = Crossings::of(cage, points, path.bodies, to).faces(cage);
+        let crossings = Crossings::of(path.cage, &points, path.bodies, to).faces(path.cage);
+        Self { bound: BoundPoints::new(path.bodies, to, &points), crossings, points }
+    }
+}
+
+impl FitFigures {
+    pub(super) fn new(mesh: &Mesh, path: &Path, end: &Ending) -> Self {
+        let (cage, before, after) = (path.cage, &path.clearance.start, &end.crossings);
+        let (to, points) = (&path.bodies.to, &end.points);
         let mean = |bound: &BoundPoints| bound.distances().sum::<f64>() / points.len().max(1) as f64;
-        let bound = BoundPoints::new(path.bodies, to, points);
         let least = |points: &[DVec3], shape: &[DVec3]| {
             let [with_body, _] = path.clearance.contacts(&[points, shape].concat(), 1.0);
             with_body.iter().map(|contact: &Contact| contact.distance).reduce(f64::min)
@@ -93,7 +105,7 @@ impl FitFigures {
             },
             distance: BodyDistance {
                 least: [least(path.rest, &path.bodies.from), least(points, to)],
-                mean: [mean(&path.bound), mean(&bound)],
+                mean: [mean(&path.bound), mean(&end.bound)],
             },
             edges_kept: lengths.kept(),
             lengths: [

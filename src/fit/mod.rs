@@ -17,12 +17,12 @@ mod stretch;
 mod triangle;
 
 pub use bodies::Bodies;
+use figures::Ending;
 pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
 
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::mesh::{Elements, FaceId, VertexId};
-use bound::BoundPoints;
 use cage::Cage;
 use glam::{DVec3, Vec3};
 use path::Path;
@@ -88,17 +88,18 @@ pub struct Fitted {
 /// ```
 ///
 /// # Errors
-/// A garment without points, or bodies so far from it that nothing can be said.
+/// Points beyond the numbers of a file.
 pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted, Error> {
     let rest: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
     let cage = Cage::new(mesh);
     let mut path = Path::new(&cage, &rest, bodies, options);
     let mut warnings: Warnings = far_from_body(mesh, &path, bodies).into_iter().collect();
     let points = path.run();
-    let figures = FitFigures::new(mesh, &path, &points);
-    warnings.extend(new_crossings(mesh, &path, &points));
-    warnings.extend(left_behind(mesh, &path, &points, &figures));
-    let points: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
+    let end = Ending::new(&path, points);
+    let figures = FitFigures::new(mesh, &path, &end);
+    warnings.extend(new_crossings(mesh, &path, &end));
+    warnings.extend(left_behind(mesh, &path, &end, &figures));
+    let points: Vec<Vec3> = end.points.iter().map(|p| p.as_vec3()).collect();
     if points.iter().any(|p| !p.is_finite()) {
         let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
         return Err(fault.code(ErrorCode::MeshSize).remedy("give both bodies and the garment the same units"));
@@ -125,16 +126,15 @@ fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
 }
 
 /// The warning of a garment that did not follow its body.
-fn left_behind(mesh: &Mesh, path: &Path, points: &[DVec3], figures: &FitFigures) -> Option<Warning> {
-    let after = BoundPoints::new(path.bodies, &path.bodies.to, points);
-    let heights = path.bound.heights().zip(after.heights());
+fn left_behind(mesh: &Mesh, path: &Path, end: &Ending, figures: &FitFigures) -> Option<Warning> {
+    let heights = path.bound.heights().zip(end.bound.heights());
     let sunk: Vec<usize> = heights.enumerate().filter(|(_, (a, b))| *a > 0.0 && *b < 0.0).map(|(v, _)| v).collect();
     let problem = if path.share < 1.0 {
         format!("it could not follow the body for more than {:.0} % of the way", 100.0 * path.share)
     } else if figures.edges_kept < LEAST_KEPT {
         format!("{:.0} % of its edges follow the body within 15 %", 100.0 * figures.edges_kept)
-    } else if sunk.len() as f64 > MOST_SUNK * points.len() as f64 {
-        format!("{} of {} points were outside of the body, and are inside it", sunk.len(), points.len())
+    } else if sunk.len() as f64 > MOST_SUNK * end.points.len() as f64 {
+        format!("{} of {} points were outside of the body, and are inside it", sunk.len(), end.points.len())
     } else {
         return None;
     };
@@ -146,11 +146,10 @@ fn left_behind(mesh: &Mesh, path: &Path, points: &[DVec3], figures: &FitFigures)
 }
 
 /// The warning of faces that cross the body or each other and did not before.
-fn new_crossings(mesh: &Mesh, path: &Path, points: &[DVec3]) -> Option<Warning> {
-    let found = path.new_crossings(points, &path.bodies.to);
-    let of_body = found.body.iter().map(|&[t, _]| path.cage.face[t]);
-    let own = found.own.iter().flatten().map(|&t| path.cage.face[t]);
-    let faces: BTreeSet<usize> = of_body.chain(own).collect();
+fn new_crossings(mesh: &Mesh, path: &Path, end: &Ending) -> Option<Warning> {
+    let (start, found) = (&path.clearance.start, &end.crossings);
+    let own = found.own.difference(&start.own).flatten();
+    let faces: BTreeSet<usize> = found.body.difference(&start.body).chain(own).copied().collect();
     (!faces.is_empty()).then(|| {
         let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
         Warning::new(Code::FitCrosses, &mesh.prim, problem)

@@ -106,11 +106,6 @@ impl<'a> Path<'a> {
         self.cage.edges.iter().map(stretched).collect()
     }
 
-    /// What crosses and did not at the start.
-    pub fn new_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
-        self.clearance.new_crossings(points, shape)
-    }
-
     /// The garment when the body has its shape at `share`; none if something new crosses.
     fn step(&mut self, from: &State, share: f64, rounds: usize) -> Option<State> {
         let shape = self.bodies.shape(share);

@@ -1,6 +1,6 @@
 //! Triangles and edges in double precision.
 
-use crate::contact::Aabb;
+use crate::contact::{Aabb, NearestSearch};
 use glam::DVec3;
 
 /// Share of the size of triangles by which a point may be above a plane that it lies in.
@@ -15,6 +15,30 @@ pub fn at([a, b, c]: [DVec3; 3], weights: DVec3) -> DVec3 {
 pub fn closest_weights(corners: [DVec3; 3], p: DVec3) -> DVec3 {
     let [a, b, c] = corners.map(|corner| (corner - p).as_vec3());
     crate::sim::closest_weights(a, b, c, glam::Vec3::ZERO).as_dvec3()
+}
+
+/// Triangles among which the nearest one is found.
+pub struct TriangleSearch {
+    corners: Vec<[DVec3; 3]>,
+    search: NearestSearch,
+}
+
+impl TriangleSearch {
+    pub fn new(corners: Vec<[DVec3; 3]>) -> Self {
+        let boxes: Vec<Aabb> = corners.iter().map(|triangle| aabb(triangle)).collect();
+        Self { corners, search: NearestSearch::new(&boxes) }
+    }
+
+    /// The triangle nearest to a point, the weights of its corners there, and that place; none without triangles.
+    pub fn nearest(&self, point: DVec3) -> Option<(usize, DVec3, DVec3)> {
+        let place = |triangle: usize, p: DVec3| {
+            let weights = closest_weights(self.corners[triangle], p);
+            (weights, at(self.corners[triangle], weights))
+        };
+        let found = self.search.nearest(point.as_vec3(), |triangle, p| place(triangle, p).1.distance_squared(p))?;
+        let (weights, place) = place(found, point);
+        Some((found, weights, place))
+    }
 }
 
 /// The shares along two edges where their lines are nearest to each other; none where that is not inside both.

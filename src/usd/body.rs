@@ -2,7 +2,7 @@
 
 use super::read::{Model, Source};
 use super::shot::{StageMetrics, UpAxis};
-use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::garment::{Mesh, Orientation, check_garment};
 use glam::{DMat4, DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
@@ -11,10 +11,9 @@ use std::f64::consts::FRAC_PI_2;
 ///
 /// # Errors
 /// Faults of the body's mesh, and a transform of the garment that flattens it.
-pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Error> {
-    let (mesh, mut warnings) = body.garment()?;
-    let (mut mesh, of_check) = check_garment(mesh)?;
-    warnings.extend(of_check);
+pub fn body_of(garment: &Source, body: &Source) -> Result<Mesh, Error> {
+    // Warnings of a body are about attributes and faces that no garment gets.
+    let (mut mesh, _) = check_garment(body.garment()?.0)?;
     let to_garment = stage_to_garment(garment, body) * body.model.transforms.to_world;
     let turns = to_garment.determinant();
     if !to_garment.is_finite() || turns == 0.0 {
@@ -33,7 +32,7 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<(Mesh, Warnings), Erro
     for point in mesh.points.iter_mut() {
         *point = to_garment.transform_point3(point.as_dvec3()).as_vec3();
     }
-    Ok((mesh, warnings))
+    Ok(mesh)
 }
 
 /// From the space of a body's stage to that of a garment.

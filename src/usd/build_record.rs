@@ -130,6 +130,13 @@ impl BuildRecord {
         &self.request
     }
 
+    /// Whether this program made the output `out` by the same request, and would make it so again.
+    pub fn is_fresh(out: &Path, request: &str) -> bool {
+        Self::of(out).is_some_and(|record| {
+            record.request == request && record.changes(out).is_ok_and(|changes| changes.is_empty())
+        })
+    }
+
     /// Why the output `out` with this record is stale, in words; empty if a build with the same options would write it
     /// again.
     ///
