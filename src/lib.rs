@@ -89,7 +89,7 @@ pub use pipeline::{
     Builder, ClothUpdate, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate,
     SimUpdate, Timing, build,
 };
-pub use recipe::Recipe;
+pub use recipe::{LodOptions, Recipe};
 pub use render::{FoldOptions, RenderOptions, RowSide, SeamOptions, Side};
 pub use sim::{Relaxation, SimOptions};
 pub use trim::{TrimMode, TrimOptions};

@@ -74,8 +74,8 @@ pub struct Built {
     pub variant: Option<Selection>,
     pub names: ProductNames,
     pub products: Products,
-    /// The parts of the render mesh that are written in its place; none for the whole.
-    pub panels: Vec<RenderPanel>,
+    /// The parts of the render mesh that are written in its place, at each level of detail; none for the whole.
+    pub panels: Vec<Vec<RenderPanel>>,
     pub sim: SimFigures,
     pub render: RenderFigures,
     pub cloth: Option<ClothFigures>,
@@ -236,9 +236,10 @@ fn built(
     timed("check", &mut timings, || {
         for Opening { variant, garments } in openings {
             let opened = garments.iter().map(|garment| &garment.source);
-            let names = named(build, opened);
+            let names = product_names(opened, [&build.sim_name, &build.render_name]);
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
+                let names = leveled(build, &source, &recipe, names)?;
                 sources.push(source);
                 checked.push((limited(builder, build, task, budget, bar, step), recipe, names, variant.clone()));
             }
@@ -253,7 +254,8 @@ fn built(
         let timings = std::mem::take(&mut timings);
         let mut built = garment(builder, &recipe, build.mark, names, timings)?;
         if build.render_per_panel {
-            built.panels = built.products.render_panels(sources[garments.len()].panel_sets());
+            let panels = sources[garments.len()].panel_sets();
+            built.panels = built.products.all_levels().map(|level| level.render_panels(panels)).collect();
         }
         garments.push(Built { variant, ..built });
     }
@@ -266,9 +268,14 @@ fn built(
     Ok(garments)
 }
 
-/// The names of the products of the garments of one stage.
-fn named<'a>(build: &Build, sources: impl IntoIterator<Item = &'a Source>) -> Vec<ProductNames> {
-    product_names(sources, [&build.sim_name, &build.render_name], build.render_per_panel)
+/// The names of the products of a garment at all levels of detail.
+fn leveled(build: &Build, source: &Source, recipe: &Recipe, names: ProductNames) -> Result<ProductNames, Error> {
+    let levels = recipe.lod.levels;
+    if levels > 1 {
+        variants::refuse_products(source, "lod.levels", "levels of detail")?;
+    }
+    let names = names.with_levels(levels, build.lod_schema.into());
+    Ok(if build.render_per_panel { names.per_panel(source) } else { names })
 }
 
 /// A builder with the limits of the command, which shows its steps.
@@ -324,6 +331,7 @@ fn write(
     let options = WriteOptions {
         flatten: build.flatten,
         sets: build.sets.into(),
+        lod_schema: build.lod_schema.into(),
         force: build.force,
         model_guide: !build.keep_model_purpose,
         dry_run,

@@ -191,7 +191,7 @@ fn is_no_mesh(error: &Error) -> bool {
 /// Refuses garments beside which other prims have the names that a build without options gives.
 fn free_names(garments: &[OpenGarment]) -> Result<(), Error> {
     let sources = || garments.iter().map(|garment| &garment.source);
-    let names = product_names(sources(), [ProductRole::Sim.name(), ProductRole::Render.name()], false);
+    let names = product_names(sources(), [ProductRole::Sim.name(), ProductRole::Render.name()]);
     sources().zip(&names).try_for_each(|(source, names)| check_product_names(source, names))
 }
 

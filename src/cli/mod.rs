@@ -22,7 +22,7 @@ use crate::DEFAULT_MAX_FACES;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::recipe::RecipeFile;
 use crate::session::{Input, OpenGarment, beside, is_usd};
-use crate::usd::{ReadOptions, SetChoice};
+use crate::usd::{LodSchema, ReadOptions, SetChoice};
 use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use process::{interrupt, memory, threads};
@@ -106,6 +106,9 @@ struct Inputs {
     /// Dialects of USD physics to write, of aousd, omni and chaos; or none: --set cloth.physics=... [default: aousd]
     #[arg(long, value_name = "NAMES", help_heading = "Recipe")]
     physics: Option<String>,
+    /// Levels of detail, each with meshes of its own: --set lod.levels=N
+    #[arg(long, value_name = "N", help_heading = "Recipe")]
+    lods: Option<u32>,
     /// Store the source face of each vertex of the simulation mesh: --set sim.provenance=true
     #[arg(long, help_heading = "Recipe")]
     provenance: bool,
@@ -161,6 +164,9 @@ struct Build {
     /// Write a render mesh for each of the panels that are sewn together, named after it
     #[arg(long, help_heading = "Output")]
     render_per_panel: bool,
+    /// How levels of detail are written: as variants of the set LOD, or below a prim with LODRootAPI (OpenUSD 26.11)
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t = Lods::Variants, help_heading = "Output")]
+    lod_schema: Lods,
     /// Give the render mesh a set of the elements that each kind of warning names, such as mark_flipped_uvs
     #[arg(long, help_heading = "Output")]
     mark: bool,
@@ -209,6 +215,25 @@ impl From<Sets> for SetChoice {
             Sets::None => Self::None,
             Sets::Authored => Self::Authored,
             Sets::All => Self::All,
+        }
+    }
+}
+
+/// How levels of detail are written.
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum Lods {
+    #[default]
+    Variants,
+    #[value(name = "usdLod")]
+    UsdLod,
+}
+
+impl From<Lods> for LodSchema {
+    fn from(lods: Lods) -> Self {
+        match lods {
+            Lods::Variants => Self::Variants,
+            Lods::UsdLod => Self::UsdLod,
         }
     }
 }
@@ -358,6 +383,7 @@ impl Inputs {
         let provenance = self.provenance.then(|| "sim.provenance=true".to_owned());
         let physics = self.physics.as_deref().map(|names| if names == "none" { "" } else { names });
         let physics = physics.map(|names| format!("cloth.physics={names}"));
+        let lods = self.lods.map(|levels| format!("lod.levels={levels}"));
         Input {
             file: file.to_path_buf(),
             read: ReadOptions {
@@ -370,7 +396,7 @@ impl Inputs {
             },
             base: None,
             recipe: self.recipe.clone(),
-            overrides: provenance.into_iter().chain(physics).chain(self.set.iter().cloned()).collect(),
+            overrides: provenance.into_iter().chain(physics).chain(lods).chain(self.set.iter().cloned()).collect(),
         }
     }
 

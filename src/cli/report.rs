@@ -156,7 +156,7 @@ fn garment(task: &Task, built: &Built) -> Value {
         "stages": built.timings,
         "warnings": built.warnings.iter().map(warning_json).collect::<Vec<_>>(),
     });
-    let panels = built.names.render.iter().zip(&built.panels).map(
+    let panels = built.names.render.iter().zip(built.panels.iter().flatten()).map(
         |(name, panel)| json!({ "name": name, "vertices": panel.mesh.points.len(), "faces": panel.mesh.faces.len() }),
     );
     report["renderPanels"] = panels.collect();

@@ -195,7 +195,7 @@ fn summary(built: &Built, verbose: bool) -> String {
         percent(r.quads),
         recipe.render.level
     );
-    for (name, panel) in built.names.render.iter().zip(&built.panels) {
+    for (name, panel) in built.names.render.iter().zip(built.panels.iter().flatten()) {
         let (vertices, faces) = (panel.mesh.points.len(), panel.mesh.faces.len());
         let _ = writeln!(t, "          {name}: {vertices} vertices, {faces} faces");
     }

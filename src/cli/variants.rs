@@ -4,7 +4,7 @@ use super::{Build, usage};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::options::did_you_mean;
 use crate::session::{Input, OpenGarment};
-use crate::usd::Selection;
+use crate::usd::{Selection, Source};
 use std::path::Path;
 
 /// The garments of an input, and the variant that they were read with.
@@ -30,7 +30,8 @@ pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
     let openings = each(set, &input)?;
     for Opening { variant, garments } in &openings {
         if let Some(variant) = variant {
-            garments.iter().try_for_each(|garment| refuse_products(garment, variant))?;
+            let flag = format!("--variants {}", variant.set);
+            garments.iter().try_for_each(|garment| refuse_products(&garment.source, &flag, &variant.choice))?;
         }
     }
     Ok(openings)
@@ -98,13 +99,14 @@ fn choices(set: &str, garments: &[OpenGarment]) -> Result<Vec<Selection>, Error>
     Ok(found.choices.iter().map(choice).collect())
 }
 
-/// Products that the input has outside of the variant would hide those inside it.
-fn refuse_products(garment: &OpenGarment, variant: &Selection) -> Result<(), Error> {
-    if !garment.source.has_products() {
+/// Products that the input has outside of variants would hide those inside them.
+///
+/// # Errors
+/// Such products.
+pub fn refuse_products(source: &Source, flag: impl std::fmt::Display, variants: &str) -> Result<(), Error> {
+    if !source.has_products() {
         return Ok(());
     }
-    let text = format!("{} has products already, which would hide those of {}", garment.source.prim(), variant.choice);
-    Err(usage(format!("--variants {}", variant.set), text)
-        .code(ErrorCode::NameTaken)
-        .remedy("name the garment that they were made from as the input"))
+    let text = format!("{} has products already, which would hide those of {variants}", source.prim());
+    Err(usage(flag, text).code(ErrorCode::NameTaken).remedy("name the garment that they were made from as the input"))
 }

@@ -17,19 +17,25 @@ use std::sync::Arc;
 /// The simulation mesh, its UV set, and the options of cloth and fabrics.
 type ClothInput = (Same<SimResult>, String, ClothOptions, BTreeMap<String, FabricOptions>);
 
+/// The binding of a render mesh to a simulation mesh.
+pub type BindingStep = Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>;
+
 /// The steps of one garment.
 pub struct ClothSteps {
-    garment: Arc<Mesh>,
+    pub(super) garment: Arc<Mesh>,
     mean_edge: f32,
     cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
-    binding: Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>,
+    binding: BindingStep,
+    /// The bindings to the simulation meshes of all levels of detail.
+    pub(super) level_bindings: Vec<BindingStep>,
     cage_binding: Step<Same<SimResult>, Arc<Binding>>,
 }
 
 impl ClothSteps {
     /// The steps of a garment with its mean edge length.
     pub fn new(garment: Arc<Mesh>, mean_edge: f32) -> Self {
-        Self { garment, mean_edge, cloth: Step::default(), binding: Step::default(), cage_binding: Step::default() }
+        let (cloth, binding, cage_binding) = Default::default();
+        Self { garment, mean_edge, cloth, binding, level_bindings: Vec::new(), cage_binding }
     }
 
     /// The cloth of a resolved recipe, with its warnings; none without physics.
@@ -60,13 +66,15 @@ impl ClothSteps {
         origins: impl FnOnce() -> Result<Origins, Error>,
         clock: &mut Clock<'_>,
     ) -> Result<Arc<Binding>, Error> {
-        let source_faces = self.garment.faces.len();
+        let garment = &self.garment;
         self.binding.get((Same::from(simulated), Same::from(render)), |(simulated, render)| {
-            clock.run("binding", || {
-                let product = &simulated.remeshed.product;
-                Ok(Arc::new(Binding::new(product, source_faces, &simulated.mesh, render, &origins()?)))
-            })
+            clock.run("binding", || Ok(Arc::new(Self::bound(garment, simulated, render, &origins()?))))
         })
+    }
+
+    /// The places of the points of a mesh on a simulation mesh of the garment.
+    pub fn bound(garment: &Mesh, simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
+        Binding::new(&simulated.remeshed.product, garment.faces.len(), &simulated.mesh, mesh, origins)
     }
 
     /// The binding of the garment's own points, whose `origins` are computed if they are needed.
@@ -76,17 +84,16 @@ impl ClothSteps {
         origins: impl FnOnce() -> Result<Origins, Error>,
     ) -> Result<Arc<Binding>, Error> {
         let garment = &self.garment;
-        self.cage_binding.get(Same::from(simulated), |simulated| {
-            let (product, faces) = (&simulated.remeshed.product, garment.faces.len());
-            Ok(Arc::new(Binding::new(product, faces, &simulated.mesh, garment, &origins()?)))
-        })
+        self.cage_binding
+            .get(Same::from(simulated), |simulated| Ok(Arc::new(Self::bound(garment, simulated, garment, &origins()?))))
     }
 
     /// An estimate of the memory of the kept results. \[bytes\]
     pub fn bytes(&self) -> usize {
         let cloth = self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes());
+        let of_levels = self.level_bindings.iter().filter_map(Step::last);
         let bindings = [self.binding.last(), self.cage_binding.last()];
-        cloth + bindings.into_iter().flatten().map(|binding| binding.bytes()).sum::<usize>()
+        cloth + bindings.into_iter().flatten().chain(of_levels).map(|binding| binding.bytes()).sum::<usize>()
     }
 }
 

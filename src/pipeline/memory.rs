@@ -50,6 +50,15 @@ impl MemoryEstimate {
         Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 }
     }
 
+    /// Of two builds whose results are held together.
+    pub(super) fn with(&self, other: &Self) -> Self {
+        Self {
+            baseline: self.baseline.saturating_add(other.baseline),
+            sim: self.sim.saturating_add(other.sim),
+            render: self.render.saturating_add(other.render),
+        }
+    }
+
     /// All of it.
     pub fn bytes(&self) -> usize {
         self.baseline.saturating_add(self.sim).saturating_add(self.render)

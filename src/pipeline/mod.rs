@@ -9,6 +9,7 @@
 mod check;
 mod cloth;
 mod frame;
+mod levels;
 mod marks;
 mod memory;
 #[cfg(feature = "preview")]
@@ -96,6 +97,8 @@ pub struct Builder {
     /// The derived sets that the steps have.
     sets: RecipeSets,
     own_operators: Vec<Arc<dyn Operator>>,
+    /// The builders of the coarser levels of detail.
+    levels: Vec<Self>,
     progress: Progress,
     max_faces: usize,
     max_memory: usize,
@@ -147,6 +150,7 @@ impl Builder {
             mean_edge,
             warnings,
             own_operators: Vec::new(),
+            levels: Vec::new(),
             progress: Progress::default(),
             max_faces: DEFAULT_MAX_FACES,
             max_memory: usize::MAX,
@@ -272,15 +276,33 @@ impl Builder {
     /// # Errors
     /// As [`Builder::resolve`].
     pub fn estimate(&self, recipe: &Recipe) -> Result<MemoryEstimate, Error> {
-        Ok(MemoryEstimate::new(&self.garment, &self.resolved(recipe)?.0))
+        self.estimated(&self.resolved(recipe)?.0)
     }
 
-    /// The products of a recipe. Steps whose input is the same as before are not repeated.
+    /// The estimate for all levels of detail of a resolved recipe.
+    fn estimated(&self, resolved: &Resolved) -> Result<MemoryEstimate, Error> {
+        let mut all = MemoryEstimate::new(&self.garment, resolved);
+        for level in resolved.recipe.lod.coarser() {
+            let coarser = self.resolved(&resolved.recipe.at_level(level, self.mean_edge))?.0;
+            all = all.with(&MemoryEstimate::new(&self.garment, &coarser));
+        }
+        Ok(all)
+    }
+
+    /// The products of a recipe, at all its levels of detail. Steps whose input is the same as before are not repeated.
     ///
     /// # Errors
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
-        let (Resolved { recipe, sim, sets }, of_recipe) = self.checked(recipe)?;
+        let (resolved, of_recipe) = self.checked(recipe)?;
+        let mut products = self.update_first(resolved, of_recipe)?;
+        self.add_levels(&mut products)?;
+        Ok(products)
+    }
+
+    /// The products of the first level.
+    fn update_first(&mut self, resolved: Resolved, of_recipe: Warnings) -> Result<Products, Error> {
+        let Resolved { recipe, sim, sets } = resolved;
         self.derive(sets);
         let sim = self.simulate(&sim)?;
         let render = self.render(&recipe)?;
@@ -304,6 +326,8 @@ impl Builder {
             cloth: cloth.map(|cloth| self.frame.cloth(&cloth)).transpose()?,
             binding,
             cage_binding,
+            levels: Vec::new(),
+            level_bindings: Vec::new(),
             recipe,
             operators: render.operators,
             operator_sets: render.operator_sets,
@@ -317,7 +341,7 @@ impl Builder {
     fn checked(&self, recipe: &Recipe) -> Result<(Resolved, Warnings), Error> {
         let (resolved, warnings) = self.resolved(recipe)?;
         sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
-        MemoryEstimate::new(&self.garment, &resolved).check(self.max_memory)?;
+        self.estimated(&resolved)?.check(self.max_memory)?;
         Ok((resolved, warnings))
     }
 
@@ -437,6 +461,7 @@ impl Builder {
 
     /// An estimate of the memory that the kept results hold. \[bytes\]
     pub fn bytes(&self) -> usize {
-        self.garment.bytes() + self.sim.bytes() + self.render.bytes() + self.cloth.bytes() + self.frame.bytes()
+        let own = self.sim.bytes() + self.render.bytes() + self.cloth.bytes() + self.frame.bytes();
+        self.garment.bytes() + own + self.levels.iter().map(Self::bytes).sum::<usize>()
     }
 }

@@ -6,7 +6,7 @@ use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
 use crate::garment::Mesh;
-use crate::garment::parts::split;
+use crate::garment::parts::{Part, split};
 use crate::mesh::{FaceId, IdVec};
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
@@ -29,6 +29,10 @@ pub struct Products {
     pub binding: Arc<Binding>,
     /// The places of the garment's own points on the simulation mesh.
     pub cage_binding: Arc<Binding>,
+    /// The coarser levels of detail, which are no cloth. Their warnings are of their own meshes.
+    pub levels: Vec<Self>,
+    /// The places of the render mesh's points on the simulation mesh of each level of detail; empty for one level.
+    pub level_bindings: Vec<Arc<Binding>>,
     /// The recipe with the lengths that were used.
     pub recipe: Recipe,
     /// The operators of the render mesh, in their order.
@@ -51,7 +55,15 @@ impl Products {
     /// The render mesh in parts, one for each of the face sets `panels`, which have all its faces between them.
     pub fn render_panels(&self, panels: &[String]) -> Vec<RenderPanel> {
         let parts = split(&self.render, panels).into_iter();
-        parts.map(|part| RenderPanel { binding: self.binding.of_points(&part.vertices), mesh: part.mesh }).collect()
+        let panel = |part: Part| {
+            let level_bindings = self.level_bindings.iter().map(|all| Arc::new(all.of_points(&part.vertices)));
+            RenderPanel {
+                binding: self.binding.of_points(&part.vertices),
+                level_bindings: level_bindings.collect(),
+                mesh: part.mesh,
+            }
+        };
+        parts.map(panel).collect()
     }
 
     /// The figures of the render mesh.
@@ -78,6 +90,8 @@ pub struct RenderPanel {
     pub mesh: Mesh,
     /// The places of its points on the simulation mesh.
     pub binding: Binding,
+    /// Their places on the simulation mesh of each level of detail; empty for one level.
+    pub level_bindings: Vec<Arc<Binding>>,
 }
 
 /// The simulation mesh of one update.

@@ -1,5 +1,6 @@
 //! The groups of options that a recipe has. A new operator is a row here.
 
+use super::LodOptions;
 use crate::cloth::{ClothOptions, FabricOptions};
 use crate::options::{Group, Key, OptionGroup};
 use crate::render::{FoldOptions, OperatorOptions, RenderOptions, SeamOptions};
@@ -94,6 +95,8 @@ groups! {
         render: RenderOptions,
         /// Options of the cloth.
         cloth: ClothOptions,
+        /// Levels of detail.
+        lod: LodOptions,
     }
     operators {
         /// Options of each fold, by name.

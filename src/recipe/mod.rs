@@ -9,6 +9,7 @@ mod file;
 mod groups;
 mod layers;
 mod listed;
+mod lod;
 #[cfg(feature = "preview")]
 mod presets;
 mod resolved;
@@ -21,6 +22,7 @@ pub use groups::{OPERATORS, Recipe};
 pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;
 pub use listed::ListedOperator;
+pub use lod::LodOptions;
 #[cfg(feature = "preview")]
 pub(crate) use presets::Presets;
 pub(crate) use resolved::{Resolved, ResolvedSim};

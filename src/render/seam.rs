@@ -16,9 +16,10 @@
 //! authored edges.
 //!
 //! A seam may have rows at a distance from its edges (`rows`). They are made before the seams on edges, one operator for each
-//! seam.
+//! seam. A seam may be a crease, which has no lines (`creases`).
 
 mod chains;
+mod creases;
 mod heights;
 mod options;
 mod profile;
@@ -33,6 +34,7 @@ use crate::error::{Code, Error, Warning, Warnings, counted};
 use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use chains::Network;
+use creases::Creases;
 use heights::{Part, SeamLine};
 pub use options::{RowSide, SeamOptions};
 use reports::shallow_seam;
@@ -156,8 +158,7 @@ impl Seams {
 
 impl Operator for Seams {
     fn label(&self) -> String {
-        let names: Vec<String> = self.seams.iter().map(|(name, _)| format!("seam.{name}")).collect();
-        names.join(", ")
+        label(&self.seams)
     }
 
     fn is_same(&self, other: &dyn Operator) -> bool {
@@ -170,12 +171,16 @@ impl Operator for Seams {
         other.is_some_and(|other| self.seams.iter().map(options::flat).eq(other.seams.iter().map(options::flat)))
     }
 
-    /// The rows of each seam, then the seams on edges.
+    /// The creases, the rows of each seam, then the seams on edges.
     fn parts(&self) -> Vec<Arc<dyn Operator>> {
-        let of = |number: usize| Rows { seams: self.seams.clone(), number };
-        let with_rows = (0..self.seams.len()).filter(|&i| !self.seams[i].1.row_distances().is_empty());
+        let (creases, others): (Vec<_>, Vec<_>) = self.seams.iter().cloned().partition(|(_, options)| options.crease);
+        let of = |number: usize| Rows { seams: others.clone(), number };
+        let with_rows = (0..others.len()).filter(|&i| !others[i].1.row_distances().is_empty());
         let mut parts: Vec<Arc<dyn Operator>> = with_rows.map(|i| Arc::new(of(i)) as Arc<dyn Operator>).collect();
-        let on_edges: Vec<_> = self.seams.iter().filter(|(_, options)| options.offset == 0.0).cloned().collect();
+        if !creases.is_empty() {
+            parts.insert(0, Arc::new(Creases { seams: creases }));
+        }
+        let on_edges: Vec<_> = others.iter().filter(|(_, options)| options.offset == 0.0).cloned().collect();
         if !parts.is_empty() && !on_edges.is_empty() {
             parts.push(Arc::new(Self { seams: on_edges }));
         }
@@ -242,6 +247,12 @@ impl Operator for Seams {
         }
         warnings
     }
+}
+
+/// The names of some seams for messages.
+fn label(seams: &[(String, SeamOptions)]) -> String {
+    let names: Vec<String> = seams.iter().map(|(name, _)| format!("seam.{name}")).collect();
+    names.join(", ")
 }
 
 /// The part of the profile that each control has; none away from the lines of seams.

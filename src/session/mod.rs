@@ -12,7 +12,7 @@ use crate::error::{Error, ErrorKind, Warnings};
 use crate::pipeline::{Builder, Products, RenderPanel};
 use crate::recipe::Layers;
 use crate::usd::{
-    Format, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
+    Format, LodSchema, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
 };
 use document::ignored;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -91,7 +91,8 @@ impl Session {
         drop(opened);
         self.note(&entry, bytes);
         let ((source, meshes), mut warnings) = result?;
-        let names = ProductNames::new("sim", "render");
+        let levels = meshes.as_ref().map_or(1, |products| products.recipe.lod.levels);
+        let names = ProductNames::new("sim", "render").with_levels(levels, LodSchema::default());
         let products = meshes.as_ref().map_or_else(Vec::new, |products| written(products, &[], &names));
         let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
         let options = WriteOptions::default();
@@ -185,20 +186,34 @@ fn products(builder: &mut Builder, layers: &Layers, mut arguments: Layers) -> Re
     }
 }
 
-/// The products of an update as [`write`](crate::usd::write) takes them, under the names of their prims: with the parts of the
-/// render mesh in its place, if there are some.
-pub fn written<'a>(products: &'a Products, panels: &'a [RenderPanel], names: &'a ProductNames) -> Vec<Product<'a>> {
+/// The products of an update as [`write`](crate::usd::write) takes them, under the names of their prims: at each level of detail with
+/// the parts of its render mesh in its place, if there are some.
+pub fn written<'a>(
+    products: &'a Products,
+    panels: &'a [Vec<RenderPanel>],
+    names: &'a ProductNames,
+) -> Vec<Product<'a>> {
+    let levels = products.all_levels().zip(std::iter::once(names).chain(&names.levels));
+    let of_level = |(level, (of, names)): (u32, (&'a Products, &'a ProductNames))| {
+        let panels = panels.get(level as usize).map_or(&[][..], Vec::as_slice);
+        let scale = products.recipe.lod.scale(level);
+        level_products(of, panels, names).into_iter().map(move |product| Product { level, scale, ..product })
+    };
+    (0..).zip(levels).flat_map(of_level).collect()
+}
+
+fn level_products<'a>(products: &'a Products, panels: &'a [RenderPanel], names: &'a ProductNames) -> Vec<Product<'a>> {
     let cloth = products.cloth.as_deref();
     let sim = Product::new(&names.sim, ProductRole::Sim, &products.sim);
     let trims = Some(&products.recipe.trim);
     let sim = Product { cloth, cage_binding: Some(&products.cage_binding), trims, ..sim };
-    let meshes: Vec<_> = match panels {
-        [] => vec![(None, &*products.render, &*products.binding)],
-        panels => panels.iter().enumerate().map(|(i, panel)| (Some(i), &panel.mesh, &panel.binding)).collect(),
-    };
-    let renders = names.render.iter().zip(meshes).map(|(name, (panel, mesh, binding))| {
+    let whole = (None, &*products.render, &*products.binding, &products.level_bindings);
+    let of_panel = |(i, panel): (usize, &'a RenderPanel)| (Some(i), &panel.mesh, &panel.binding, &panel.level_bindings);
+    let meshes: Vec<_> =
+        if panels.is_empty() { vec![whole] } else { panels.iter().enumerate().map(of_panel).collect() };
+    let renders = names.render.iter().zip(meshes).map(|(name, (panel, mesh, binding, level_bindings))| {
         let render = Product::new(name, ProductRole::Render, mesh);
-        Product { panel, cloth, binding: Some(binding), ..render }
+        Product { panel, cloth, binding: Some(binding), level_bindings, ..render }
     });
     std::iter::once(sim).chain(renders).collect()
 }

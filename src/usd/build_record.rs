@@ -1,7 +1,7 @@
 //! The sources of an output: `build` writes them into the layer, so that a later run can tell whether the output is fresh.
 
 use super::assets::{Anchor, as_named, file_path};
-use super::read::{Files, OrUnreadable, Source, VariantSet};
+use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
 use crate::error::{Error, plain};
 use crate::files::{self, folder_of};
@@ -80,6 +80,14 @@ impl BuildRecord {
         let mut seen = BTreeSet::new();
         variants.retain(|variant| seen.insert(variant.clone()));
         Ok(Self { version: VERSION.into(), request, prim, variants, files })
+    }
+
+    /// The record of an output that has products for these variants too.
+    #[must_use]
+    pub(super) fn with_variants(&self, variants: impl Iterator<Item = Selection>) -> Self {
+        let mut record = self.clone();
+        record.variants.extend(variants.map(|selection| in_words(&selection)));
+        record
     }
 
     /// The record of an output that is made of all that several records are of, at least one, with the same request.
@@ -230,8 +238,11 @@ impl BuildRecord {
 }
 
 fn selections(sets: &[VariantSet]) -> Vec<String> {
-    let selected = sets.iter().map(|set| &set.selected);
-    selected.map(|s| format!("{}{{{}={}}}", s.prim, s.set, s.choice)).collect()
+    sets.iter().map(|set| in_words(&set.selected)).collect()
+}
+
+fn in_words(Selection { prim, set, choice }: &Selection) -> String {
+    format!("{prim}{{{set}={choice}}}")
 }
 
 /// The folder of an output, without links.

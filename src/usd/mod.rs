@@ -22,8 +22,8 @@ pub use build_record::BuildRecord;
 #[cfg(feature = "preview")]
 pub(crate) use read::Look;
 pub use read::{
-    Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
-    TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
+    Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source,
+    TailorPayloads, TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
 };
 #[cfg(feature = "preview")]
 pub(crate) use shot::{CacheFile, Playback};

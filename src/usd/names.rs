@@ -95,12 +95,24 @@ pub const ATTACH_POINTS: &str = "tailor:attach:points";
 pub const ATTACH_FACES: &str = "tailor:attach:faces";
 /// Their coordinates on these triangles.
 pub const ATTACH_COORDS: &str = "tailor:attach:coords";
-/// On the render mesh: the triangle of the simulation mesh of each point, the coordinates there, and the simulation mesh.
+/// On the render mesh: the triangle of the simulation mesh of each point, the coordinates there, and the simulation mesh. Those of
+/// coarser levels of detail have the name of the level after them ([`binding`]).
 pub const BINDING: [&str; 3] = ["primvars:tailor:bindFace", "primvars:tailor:bindCoords", "tailor:bindTarget"];
 /// On the simulation mesh: the same of each point of the model, and the model.
 pub const MODEL_BINDING: [&str; 3] = ["tailor:model:bindFace", "tailor:model:bindCoords", "tailor:model:source"];
+/// The names of a product's roles, and of their prims unless others are chosen.
+pub const SIM: &str = "sim";
+pub const RENDER: &str = "render";
+/// The variant set of levels of detail, and the start of their names.
+pub const LOD: &str = "LOD";
 /// Namespace of the recipe. A product has the bindings and attachments above in it.
 pub const RECIPE: &str = "tailor:";
+
+/// The names of a binding to the simulation mesh of a level of detail.
+pub fn binding(level: u32) -> [String; 3] {
+    let of_level = if level == 0 { String::new() } else { format!(":{LOD}{level}") };
+    BINDING.map(|name| format!("{name}{of_level}"))
+}
 
 /// Whether a property is the option with the prims of a trim.
 pub fn is_trim_prims(property: &str) -> bool {
@@ -110,8 +122,9 @@ pub fn is_trim_prims(property: &str) -> bool {
 /// Whether a build wrote this property on a product. A build of that product writes it anew: it is neither an option nor a
 /// primvar of the model.
 pub fn is_produced(property: &str) -> bool {
-    let written = [ATTACH_POINTS, ATTACH_FACES, ATTACH_COORDS].into_iter().chain(BINDING).chain(MODEL_BINDING);
-    written.into_iter().any(|name| name == property)
+    let of_level = property.rfind(&format!(":{LOD}")).map_or(property, |at| &property[..at]);
+    let mut written = [ATTACH_POINTS, ATTACH_FACES, ATTACH_COORDS].into_iter().chain(MODEL_BINDING);
+    BINDING.contains(&of_level) || written.any(|name| name == property)
 }
 
 /// Metadata: the elements that a primvar lives on.

@@ -1,6 +1,6 @@
 //! The options of a build that shape its output, as its record has them.
 
-use super::super::{Build, Sets};
+use super::super::{Build, Lods, Sets};
 use super::Task;
 use crate::error::Error;
 use crate::usd::BuildRecord;
@@ -27,10 +27,16 @@ pub struct Request {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     strict: bool,
     sets: Sets,
+    #[serde(skip_serializing_if = "is_default")]
+    lod_schema: Lods,
     pub variants: Option<String>,
     pub all: bool,
     pub exclude: Vec<String>,
     pub sew_tolerance: Option<f64>,
+}
+
+fn is_default(lods: &Lods) -> bool {
+    *lods == Lods::default()
 }
 
 impl Request {
@@ -55,6 +61,7 @@ impl Request {
             mark: build.mark,
             strict: build.strict,
             sets: build.sets,
+            lod_schema: build.lod_schema,
             variants: build.variants.clone(),
             all: inputs.several.all,
             exclude: inputs.several.exclude.clone(),

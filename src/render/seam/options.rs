@@ -44,6 +44,9 @@ options! {
         /// Edge subsets of this mesh that the seam follows; they may be closed, end inside the mesh, and meet at junctions
         "edges" edges: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: true }, "names of subsets";
 
+        /// Crease the surface along the edges, without new faces and rows, as levels of detail do from afar
+        "crease" crease: bool = false, Domain::Flag, "true or false";
+
         /// Width of the seam, reduced where the faces beside it are too small; 0 is a quarter of the mesh's mean edge
         /// length
         "width" width: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.25, largest: LARGEST },
@@ -98,7 +101,7 @@ impl SeamOptions {
     pub(super) fn row_distances(&self) -> Vec<f32> {
         let gap = if self.row_gap > 0.0 { self.row_gap } else { 1.5 * self.width };
         let rows = (0..self.rows.max(1)).map(|row| self.offset + row as f32 * gap);
-        rows.filter(|&distance| distance > 0.0 && self.width > 0.0).collect()
+        rows.filter(|&distance| distance > 0.0 && self.width > 0.0 && !self.crease).collect()
     }
 }
 

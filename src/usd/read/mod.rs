@@ -25,7 +25,7 @@ pub use bindings::Look;
 pub use choose::all_prims;
 pub use diagnostics::{TailorPayloads, tailor_payloads};
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
-pub use meshes::{ProductNames, product_names};
+pub use meshes::{LodSchema, ProductNames, level_name, product_names};
 pub use model::{COMPOSITION, Model, Sewing, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
@@ -33,6 +33,4 @@ pub use shapes::BlendShape;
 pub use source::{PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{transforms, world_of};
 pub use trims::{TrimPrim, has_points, points_name, trim_path, trims};
-#[cfg(feature = "preview")]
-pub use variants::select;
-pub use variants::{Selection, VariantSet, flattened_variants};
+pub use variants::{Selection, VariantSet, flattened_variants, select};

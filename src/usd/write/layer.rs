@@ -2,6 +2,7 @@
 
 use super::crates::{encode_plainly, remove_unwritable};
 use super::flatten::flattened;
+use super::levels::{check_levels, level_count, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{GarmentProducts, Product, ProductRole, SetChoice};
@@ -10,7 +11,7 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{Model, OrUnreadable, ProductNames, Source, flattened_variants};
+use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Source, flattened_variants};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -29,6 +30,8 @@ pub struct WriteOptions {
     pub dry_run: bool,
     /// The sets that products have.
     pub sets: SetChoice,
+    /// How levels of detail are written.
+    pub lod_schema: LodSchema,
     /// The record of what the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,
 }
@@ -41,6 +44,7 @@ impl Default for WriteOptions {
             model_guide: true,
             dry_run: false,
             sets: SetChoice::default(),
+            lod_schema: LodSchema::default(),
             record: None,
         }
     }
@@ -159,8 +163,10 @@ fn compose(
     options: &WriteOptions,
 ) -> Result<((sdf::Data, Vec<BoundTrim>), Warnings), Error> {
     let (sets, mut replaced, mut trims) = (options.sets, Vec::new(), Vec::new());
-    for GarmentProducts { source, products, .. } in garments {
+    for garment in garments {
+        let GarmentProducts { source, products, .. } = garment;
         check_names(&source.model, products)?;
+        check_levels(garment, options.lod_schema)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         replaced.extend(paths.map_err(|e| fault(e.into()))?);
     }
@@ -185,7 +191,7 @@ fn compose(
             None => std::mem::take(&mut data),
             Some(_) => overlay(stage, frame)?,
         };
-        let bound = warnings.absorb(author(&mut part, of_variant, frame, sets)?);
+        let bound = warnings.absorb(author(&mut part, of_variant, frame, options)?);
         trims.extend(bound.into_iter().map(|trim| BoundTrim { garment: before + trim.garment, ..trim }));
         match of_variant[0].variant {
             None => data = part,
@@ -201,13 +207,15 @@ fn compose(
         author.model_purpose(ProductRole::Sim.purpose(None)).map_err(fault)?;
     }
     if let Some(record) = &options.record {
-        record.author(&mut data)?;
+        let of =
+            |garment: &GarmentProducts| level_variants(&garment.source.model, garment.products, options.lod_schema);
+        record.with_variants(garments.iter().flat_map(of)).author(&mut data)?;
     }
     Ok(((data, trims), warnings))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
-fn fault(error: openusd::Error) -> Error {
+pub fn fault(error: openusd::Error) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
 
@@ -216,15 +224,23 @@ fn author(
     data: &mut sdf::Data,
     garments: &[GarmentProducts],
     frame: LayerContext,
-    sets: SetChoice,
+    options: &WriteOptions,
 ) -> Result<(Vec<BoundTrim>, Warnings), Error> {
+    let sets = options.sets;
     let (trims, mut warnings) = TrimBindings::read(garments)?;
     for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+        if level_count(products) > 1 {
+            warnings.extend(author.levels(products, options.lod_schema, frame)?);
+            continue;
+        }
         for product in *products {
             warnings.extend(author.product(product).map_err(fault)?);
+            match product.role {
+                ProductRole::Sim => author.model_binding(product).map_err(fault)?,
+                ProductRole::Render => author.render_bindings(product, products).map_err(fault)?,
+            }
         }
-        author.bindings(products).map_err(fault)?;
         warnings.extend(author.physics(products)?);
     }
     let product = |of: &GarmentProducts| of.products.iter().map(|p| of.source.model.sibling_path(p.name)).collect();
@@ -254,7 +270,7 @@ fn check_finite(data: &sdf::Data, products: &HashSet<sdf::Path>) -> Result<(), E
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
-    products.iter().try_for_each(|product| refuse_other(model, product.name))?;
+    products.iter().try_for_each(|product| refuse_other(model, product.sibling()))?;
     let sim = products.iter().find(|product| product.role == ProductRole::Sim);
     let cloth = sim.and_then(|sim| Some((sim.name, sim.cloth?)));
     let written = cloth.into_iter().flat_map(|(sim, cloth)| {
@@ -274,13 +290,13 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
     }
     for (i, product) in products.iter().enumerate() {
         let flag = product.role.name_flag();
-        if !sdf::Path::is_valid_identifier(product.name) {
+        if !product.name.split('/').all(sdf::Path::is_valid_identifier) {
             return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
                 .code(ErrorCode::NameTaken)
                 .remedy("use letters, digits and _, and no digit first"));
         }
-        if is_taken(model, product.name) || products[..i].iter().any(|p| p.name == product.name) {
-            return Err(taken(model, product.name, flag)?);
+        if is_taken(model, product.sibling()) || products[..i].iter().any(|p| p.name == product.name) {
+            return Err(taken(model, product.sibling(), flag)?);
         }
     }
     Ok(())

@@ -4,6 +4,7 @@ mod crates;
 mod fit;
 mod flatten;
 mod layer;
+mod levels;
 mod package;
 mod physics;
 mod product;

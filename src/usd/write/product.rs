@@ -1,5 +1,6 @@
 //! One product as prims and properties of a layer.
 
+use super::levels::sims;
 use super::role::{Product, ProductRole, SetChoice};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
@@ -16,6 +17,7 @@ use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Authors products in a layer.
 pub struct Author<'a> {
@@ -76,40 +78,54 @@ impl Author<'_> {
         }
     }
 
-    /// Authors where the points of the render mesh and of the model are bound.
+    /// Authors where the points of a render mesh are bound, on the simulation meshes among `products`.
     ///
     /// # Errors
     /// A name or type that the layer does not admit.
-    pub fn bindings(&mut self, products: &[Product]) -> openusd::Result<()> {
-        let Some(sim) = products.iter().find(|product| product.role == ProductRole::Sim) else { return Ok(()) };
-        let target = self.model.sibling_path(sim.name)?;
-        for (product, binding) in products.iter().filter_map(|product| Some((product, product.binding?))) {
-            self.binding(&self.model.sibling_path(product.name)?, binding, &target)?;
+    pub fn render_bindings(&mut self, render: &Product, products: &[Product]) -> openusd::Result<()> {
+        let path = self.model.sibling_path(render.name)?;
+        for sim in sims(products) {
+            let binding = match sim.level {
+                0 => render.binding,
+                level => render.level_bindings.get(level as usize).map(Arc::as_ref),
+            };
+            let target = self.model.sibling_path(sim.name)?;
+            binding.map_or(Ok(()), |binding| self.binding(&path, binding, &target, sim.level))?;
         }
+        Ok(())
+    }
+
+    /// Authors where the points of the model are bound on a simulation mesh.
+    ///
+    /// # Errors
+    /// A name or type that the layer does not admit.
+    pub fn model_binding(&mut self, sim: &Product) -> openusd::Result<()> {
+        let target = self.model.sibling_path(sim.name)?;
         let Some(binding) = sim.cage_binding else { return Ok(()) };
         let model = self.model;
-        let [.., source] = names::MODEL_BINDING;
+        let [faces, coords, source] = names::MODEL_BINDING;
         if model.sewing.points.is_empty() {
-            self.places(&target, names::MODEL_BINDING, binding)?;
+            self.places(&target, [faces, coords], binding)?;
         } else {
             let points: Vec<VertexId> = model.sewing.points.iter().map(|&point| VertexId::new(point)).collect();
-            self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?;
+            self.places(&target, [faces, coords], &binding.of_points(&points))?;
         }
         self.targets(&target, source, &model.panels)
     }
 
-    /// Authors the places of the points of a prim on the simulation mesh `target`.
-    pub(super) fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path) -> openusd::Result<()> {
-        self.places(prim, names::BINDING, binding)?;
-        for name in &names::BINDING[..2] {
+    /// Authors the places of the points of a prim on the simulation mesh `target` of a level of detail.
+    pub(super) fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path, level: u32) -> openusd::Result<()> {
+        let [faces, coords, sim] = &names::binding(level);
+        self.places(prim, [faces, coords], binding)?;
+        for name in [faces, coords] {
             let vertex = Value::Token(Token::from(Interpolation::Vertex.token()));
-            self.data.set_field(&prim.append_property(*name)?, names::INTERPOLATION, vertex);
+            self.data.set_field(&prim.append_property(name.as_str())?, names::INTERPOLATION, vertex);
         }
-        self.target(prim, names::BINDING[2], target)
+        self.target(prim, sim, target)
     }
 
-    /// Faces and coordinates of a binding, by the first two names.
-    fn places(&mut self, prim: &Path, names: [&str; 3], binding: &Binding) -> openusd::Result<()> {
+    /// Faces and coordinates of a binding, by their names.
+    fn places(&mut self, prim: &Path, names: [&str; 2], binding: &Binding) -> openusd::Result<()> {
         self.ints(prim, names[0], binding.faces.iter().map(|face| *face as i32).collect())?;
         let coords: &[Vec3f] = bytemuck::cast_slice(&binding.coords);
         let (type_name, value) = (ValueTypeName::FLOAT3_ARRAY, Value::Vec3fVec(coords.to_vec()));
@@ -344,7 +360,8 @@ fn doc(product: &Product, panels: &[Path]) -> String {
         ProductRole::Render => "Render mesh",
     };
     let panels: Vec<String> = panels.iter().map(|panel| format!("<{panel}>")).collect();
-    format!("{what} made by usd-tailor from {}.", panels.join(", "))
+    let level = if product.level > 0 { format!(", level of detail {}", product.level) } else { String::new() };
+    format!("{what} made by usd-tailor from {}{level}.", panels.join(", "))
 }
 
 impl Author<'_> {

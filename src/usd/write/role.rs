@@ -4,8 +4,10 @@ use crate::binding::Binding;
 use crate::cloth::Cloth;
 use crate::garment::Mesh;
 use crate::trim::TrimOptions;
+use crate::usd::names;
 use crate::usd::read::{Selection, Source};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// The purpose of a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +22,8 @@ impl ProductRole {
     /// Its name in `customData`, and that of its prim unless another is chosen.
     pub fn name(self) -> &'static str {
         match self {
-            Self::Sim => "sim",
-            Self::Render => "render",
+            Self::Sim => names::SIM,
+            Self::Render => names::RENDER,
         }
     }
 
@@ -58,8 +60,12 @@ pub enum SetChoice {
 /// A mesh to be written as a sibling of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
-    /// Name of its prim.
+    /// Name of its prim, or the path of it from the prim above all products.
     pub name: &'a str,
+    /// Its level of detail.
+    pub level: u32,
+    /// How much longer edges are than at the first level. \[factor\]
+    pub scale: f32,
     /// The panel whose part it is, by number; none for the product of all.
     pub panel: Option<usize>,
     /// Its purpose.
@@ -68,8 +74,10 @@ pub struct Product<'a> {
     pub mesh: &'a Mesh,
     /// The simulation mesh as cloth; none for no physics.
     pub cloth: Option<&'a Cloth>,
-    /// The places of the render mesh's points on the simulation mesh.
+    /// The places of the render mesh's points on the simulation mesh of the first level.
     pub binding: Option<&'a Binding>,
+    /// Their places on the simulation mesh of each level; empty for one level.
+    pub level_bindings: &'a [Arc<Binding>],
     /// The places of the model's points on this simulation mesh.
     pub cage_binding: Option<&'a Binding>,
     /// The trims that ride on this simulation mesh, by name.
@@ -79,7 +87,24 @@ pub struct Product<'a> {
 impl<'a> Product<'a> {
     /// A mesh without physics.
     pub fn new(name: &'a str, role: ProductRole, mesh: &'a Mesh) -> Self {
-        Self { name, panel: None, role, mesh, cloth: None, binding: None, cage_binding: None, trims: None }
+        Self {
+            name,
+            level: 0,
+            scale: 1.0,
+            panel: None,
+            role,
+            mesh,
+            cloth: None,
+            binding: None,
+            level_bindings: &[],
+            cage_binding: None,
+            trims: None,
+        }
+    }
+
+    /// The name of its prim, or of that above it, beside the model.
+    pub fn sibling(&self) -> &'a str {
+        self.name.split('/').next().unwrap_or(self.name)
     }
 }
 

@@ -1,7 +1,8 @@
 //! Trims are bound to the simulation mesh of the garment that they lie on.
 
+use super::levels::sims;
 use super::product::Author;
-use super::role::{GarmentProducts, ProductRole};
+use super::role::GarmentProducts;
 use crate::binding::BindSurface;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Mesh;
@@ -32,12 +33,13 @@ struct Asked<'a> {
     by: Vec<(usize, &'a str, &'a TrimOptions)>,
 }
 
-/// A simulation mesh that trims may ride on.
+/// A simulation mesh that trims may ride on, with those of coarser levels of detail.
 struct Cloth<'a> {
     surface: BindSurface<'a>,
     mesh: &'a Mesh,
     path: Path,
     model: &'a Model,
+    coarser: Vec<(BindSurface<'a>, Path)>,
 }
 
 /// The trims of some garments of one stage, with their places on the cloth.
@@ -118,7 +120,10 @@ impl<'a> TrimBindings<'a> {
                 continue;
             }
             PrimSpec::over(author.data, path)?;
-            author.binding(path, &binding, &cloth.path)?;
+            author.binding(path, &binding, &cloth.path, 0)?;
+            for (level, (surface, sim)) in (1..).zip(&cloth.coarser) {
+                author.binding(path, &shape.bound(options.mode, surface, size).0, sim, level)?;
+            }
             if ride.gap > FARTHEST * size {
                 let problem =
                     format!("a piece of it is {:.3} mesh units away from {}, on which it rides", ride.gap, cloth.path);
@@ -133,11 +138,13 @@ impl<'a> TrimBindings<'a> {
 
 impl<'a> Cloth<'a> {
     fn of(garment: &GarmentProducts<'a>) -> Result<Option<Self>, Error> {
-        let Some(sim) = garment.products.iter().find(|product| product.role == ProductRole::Sim) else {
-            return Ok(None);
-        };
         let model = &garment.source.model;
-        let path = model.sibling_path(sim.name).map_err(|e| Error::usd(e.to_string()))?;
-        Ok(Some(Self { surface: BindSurface::new(sim.mesh), mesh: sim.mesh, path, model }))
+        let mut sims = sims(garment.products).map(|sim| {
+            let path = model.sibling_path(sim.name).map_err(|e| Error::usd(e.to_string()))?;
+            Ok((sim.mesh, BindSurface::new(sim.mesh), path))
+        });
+        let Some((mesh, surface, path)) = sims.next().transpose()? else { return Ok(None) };
+        let coarser = sims.map(|sim| sim.map(|(_, surface, path)| (surface, path))).collect::<Result<_, Error>>()?;
+        Ok(Some(Self { surface, mesh, path, model, coarser }))
     }
 }

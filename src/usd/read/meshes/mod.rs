@@ -7,7 +7,7 @@ mod model;
 mod product_names;
 mod recipe;
 
-pub use product_names::{ProductNames, product_names};
+pub use product_names::{LodSchema, ProductNames, level_name, product_names};
 
 use super::model::KnownSurroundings;
 use super::origin::StageOrigin;

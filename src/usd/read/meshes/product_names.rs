@@ -1,8 +1,19 @@
 //! The names of products.
 
 use crate::garment::free_name;
+use crate::usd::names::{LOD, RENDER};
 use crate::usd::read::Source;
 use std::collections::HashSet;
+
+/// How levels of detail are in a stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LodSchema {
+    /// Variants of the set `LOD` of the prim above, each with one render mesh.
+    #[default]
+    Variants,
+    /// Children of a prim with `LODRootAPI` (OpenUSD 26.11).
+    UsdLod,
+}
 
 /// The names of the prims of one garment's products.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -11,43 +22,72 @@ pub struct ProductNames {
     pub sim: String,
     /// The render mesh, or those of the panels in their order.
     pub render: Vec<String>,
+    /// Those of the coarser levels of detail.
+    pub levels: Vec<Self>,
 }
 
 impl ProductNames {
     /// Of a garment with one render mesh.
     pub fn new(sim: impl Into<String>, render: impl Into<String>) -> Self {
-        Self { sim: sim.into(), render: vec![render.into()] }
+        Self { sim: sim.into(), render: vec![render.into()], levels: Vec::new() }
+    }
+
+    /// With names for several levels of detail; the names themselves for one. Render meshes are called `LOD0`, `LOD1` and so on,
+    /// as Unreal expects it, after a name of their own where they have one.
+    #[must_use]
+    pub fn with_levels(self, levels: u32, schema: LodSchema) -> Self {
+        if levels <= 1 {
+            return self;
+        }
+        let of_level = |level: u32| {
+            let sim = if level == 0 { self.sim.clone() } else { format!("{}_{}", self.sim, level_name(level)) };
+            let render = |name: &String| match schema {
+                LodSchema::UsdLod => format!("{name}/{}", level_name(level)),
+                LodSchema::Variants if name == RENDER => level_name(level),
+                LodSchema::Variants => format!("{name}_{}", level_name(level)),
+            };
+            Self { sim, render: self.render.iter().map(render).collect(), levels: Vec::new() }
+        };
+        Self { levels: (1..levels).map(of_level).collect(), ..of_level(0) }
     }
 
     /// With a render mesh for each panel of a garment: `render_front` for the face set `front`.
-    fn per_panel(self, source: &Source) -> Self {
+    #[must_use]
+    pub fn per_panel(self, source: &Source) -> Self {
         let sets = &source.model.sewing.sets;
         if sets.is_empty() {
             return self;
         }
-        let name = |set: &String| format!("{}_{set}", self.render[0]);
-        Self { render: sets.iter().map(name).collect(), ..self }
+        let [whole] = &self.render[..] else { return self };
+        // The panels of a level are below it where levels have prims of their own.
+        let between = if whole.contains('/') { '/' } else { '_' };
+        let render = sets.iter().map(|set| format!("{whole}{between}{set}")).collect();
+        Self { render, levels: self.levels.into_iter().map(|level| level.per_panel(source)).collect(), ..self }
     }
 
-    /// All of them, the simulation mesh first.
+    /// All of them, the simulation mesh first, level by level.
     pub fn all(&self) -> impl Iterator<Item = &str> {
-        std::iter::once(&self.sim).chain(&self.render).map(String::as_str)
+        std::iter::once(self).chain(&self.levels).flat_map(Self::own).map(String::as_str)
     }
+
+    fn own(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.sim).chain(&self.render)
+    }
+}
+
+/// The name of a level of detail.
+pub fn level_name(level: u32) -> String {
+    format!("{LOD}{level}")
 }
 
 /// The names of the products of each garment: those given for the two meshes, or, where several garments are beside each other,
 /// names with that of the garment before them.
-pub fn product_names<'a>(
-    sources: impl IntoIterator<Item = &'a Source>,
-    given: [&str; 2],
-    per_panel: bool,
-) -> Vec<ProductNames> {
+pub fn product_names<'a>(sources: impl IntoIterator<Item = &'a Source>, given: [&str; 2]) -> Vec<ProductNames> {
     let sources: Vec<&Source> = sources.into_iter().collect();
     let mut taken = HashSet::new();
     let names = sources.iter().map(|source| {
         let [sim, render] = two_names(source, &sources, given, &mut taken);
-        let names = ProductNames::new(sim, render);
-        if per_panel { names.per_panel(source) } else { names }
+        ProductNames::new(sim, render)
     });
     names.collect()
 }
