@@ -1,9 +1,11 @@
 //! `usdtailor build`.
 
 mod batch;
+mod levels;
 mod protect;
 mod request;
 
+pub use levels::{lines as level_lines, report as level_report};
 pub use request::Request;
 
 use super::process::folders::MadeFolders;

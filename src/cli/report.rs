@@ -1,6 +1,6 @@
 //! Writes the JSON report of a build.
 
-use super::build::{Built, Outcome, Task};
+use super::build::{Built, Outcome, Task, level_report};
 use super::text::{operator_sets, warning_json};
 use super::usage;
 use crate::error::{Error, ErrorCode, plain};
@@ -165,6 +165,9 @@ fn garment(task: &Task, built: &Built) -> Value {
         json!({ "prim": trim.prim, "name": trim.name, "pieces": pieces, "rigid": rigid, "gap": gap })
     });
     report["trims"] = trims.collect();
+    if !built.products.levels.is_empty() {
+        report["levels"] = level_report(built);
+    }
     if let (Value::Object(report), Value::Object(head)) = (&mut report, head(task, "built")) {
         report.extend(head);
     }

@@ -1,6 +1,6 @@
 //! The summary of a build and its warnings as text.
 
-use super::build::{Built, Outcome, Task};
+use super::build::{Built, Outcome, Task, level_lines};
 use crate::error::{Error, ErrorCode, ErrorKind, Warning};
 use crate::report::SimFigures;
 use crate::units::in_words;
@@ -203,6 +203,7 @@ fn summary(built: &Built, verbose: bool) -> String {
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
+    t += &level_lines(built);
     if let Some(figures) = &built.cloth {
         t += &cloth(figures, s.short_edges.len());
     }

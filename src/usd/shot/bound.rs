@@ -1,22 +1,20 @@
 //! A built garment at bind: the simulation mesh, and the meshes that are bound to it.
 
 use super::DriveOptions;
+use super::chosen::{BoundMesh, Chosen};
 use super::conversion::StageMetrics;
 use super::space::Space;
 use crate::drive::{BindFrames, BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
-use crate::usd::read::{
-    OrUnreadable, StageOrigin, all_prims, has_points, is_a, layer_files, points_name, prim_at, property_names,
-    stage_metadata, value,
-};
+use crate::usd::read::{OrUnreadable, StageOrigin, is_a, layer_files, points_name, prim_at, stage_metadata, value};
 use crate::usd::write::{extent, pose_points};
 use glam::{Quat, Vec3};
 use openusd::gf::{Quath, f16};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
-use openusd::usd::{Prim, PrimPredicate, Stage};
-use std::path::{Path as FilePath, PathBuf};
+use openusd::usd::{Prim, Stage};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// A mesh at bind, which a cache moves.
@@ -114,20 +112,22 @@ impl Bound {
     /// # Errors
     /// A stage that cannot be read; no bound mesh, or several.
     pub fn read(options: &DriveOptions) -> Result<Self, Error> {
-        let origin = StageOrigin::new(&options.render, None, &[]);
-        let stage = origin.open()?;
-        let all = bound_meshes(&stage, &options.render)?;
-        let chosen = chosen(&all, options)?;
-        let sim = prim_at(&stage, &chosen[0].1)?;
+        let stage = StageOrigin::new(&options.render, None, &[]).open()?;
+        let chosen = Chosen::new(&stage, options)?;
+        let sim = prim_at(&stage, &chosen.sim)?;
         let sim_points = points_at_bind(&sim)?;
         let triangles = triangles(&sim)?;
         let frames = Arc::new(BindFrames::new(&sim_points, &triangles)?);
         let bind = Bind { sim: &sim, points: &sim_points, triangles: &triangles, frames: &frames };
-        let mut meshes = Vec::with_capacity(chosen.len());
-        for (path, _) in &chosen {
-            let prim = prim_at(&stage, path)?;
-            let places = SourcePoints::read(&prim, names::BINDING)?;
-            meshes.push(BoundPrim::read(&prim, &points_at_bind(&prim)?, &places, &bind)?);
+        let mut meshes = Vec::with_capacity(chosen.meshes.len());
+        for mesh in &chosen.meshes {
+            meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
+        }
+        for (stage, of_level) in chosen.other_levels(&stage, options)? {
+            let bind = Bind { sim: &prim_at(&stage, &chosen.sim)?, ..bind };
+            for mesh in &of_level {
+                meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
+            }
         }
         if options.model {
             meshes.extend(models(&stage, options, &bind)?);
@@ -140,57 +140,9 @@ impl Bound {
     }
 }
 
-/// The bound meshes of a stage, each with the simulation mesh.
-fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<(Path, Path)>, Error> {
-    let mut found = Vec::new();
-    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
-        let prim = prim_at(stage, &path)?;
-        if !has_points(&prim)? || !property_names(&prim)?.iter().any(|name| name == names::BINDING[2]) {
-            continue;
-        }
-        let targets = prim.relationship(names::BINDING[2]).targets().or_unreadable(&path)?;
-        found.extend(targets.into_iter().next().map(|target| (path, target)));
-    }
-    Ok(found)
-}
-
-/// The bound meshes that are to be driven, each with the simulation mesh, which is the same for all. There is at least one.
-fn chosen(all: &[(Path, Path)], options: &DriveOptions) -> Result<Vec<(Path, Path)>, Error> {
-    let file = options.render.display();
-    let listed = |paths: &[&Path]| paths.iter().map(|path| path.as_str()).collect::<Vec<_>>().join(", ");
-    let mut sims: Vec<&Path> = Vec::new();
-    for (_, sim) in all {
-        if !sims.contains(&sim) {
-            sims.push(sim);
-        }
-    }
-    let of_sim = |sim: &Path| all.iter().filter(|(_, own)| own == sim).cloned().collect();
-    if let Some(wanted) = &options.prim {
-        if let Some(sim) = sims.iter().find(|sim| sim.as_str() == wanted) {
-            return Ok(of_sim(sim));
-        }
-        let found = all.iter().find(|(path, _)| path.as_str() == wanted);
-        return found.map(|pair| vec![pair.clone()]).ok_or_else(|| {
-            let bound: Vec<&Path> = all.iter().map(|(path, _)| path).collect();
-            Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
-                .code(ErrorCode::NotBound)
-                .remedy(format!("the bound meshes are: {}", listed(&bound)))
-        });
-    }
-    match sims.as_slice() {
-        [one] => Ok(of_sim(one)),
-        [] => Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
-            .code(ErrorCode::NotBound)
-            .remedy("build it with `usdtailor build` of this version")),
-        _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
-            .code(ErrorCode::SeveralMeshes)
-            .remedy(format!("choose one by --prim: {}", listed(&sims)))),
-    }
-}
-
 /// The garment's own meshes: one, or the panels that are sewn together, whose places are one after another.
 fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
-    let [.., source] = names::MODEL_BINDING;
+    let [faces, coords, source] = names::MODEL_BINDING;
     let (sim, file) = (bind.sim.path(), options.render.display());
     let stale = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy(remedy));
     let paths = bind.sim.relationship(source).targets().or_unreadable(sim)?;
@@ -204,7 +156,7 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
         let points = points_at_bind(&prim)?;
         panels.push((prim, points));
     }
-    let mut places = SourcePoints::read(bind.sim, names::MODEL_BINDING)?;
+    let mut places = SourcePoints::read(bind.sim, [faces, coords])?;
     let count: usize = panels.iter().map(|(_, points)| points.len()).sum();
     if count != places.faces.len() || count != places.coords.len() {
         let text = format!("{sim} of {file} has places for {} points of its model, not {count}", places.faces.len());
@@ -219,11 +171,21 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
 }
 
 /// The simulation mesh at bind.
+#[derive(Clone, Copy)]
 struct Bind<'a> {
     sim: &'a Prim,
     points: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     frames: &'a Arc<BindFrames>,
+}
+
+impl Bind<'_> {
+    /// Reads a mesh that is bound.
+    fn mesh(&self, prim: &Prim, mesh: &BoundMesh) -> Result<BoundPrim, Error> {
+        let [faces, coords, _] = names::binding(mesh.level);
+        let places = SourcePoints::read(prim, [&faces, &coords])?;
+        BoundPrim::read(prim, &points_at_bind(prim)?, &places, self)
+    }
 }
 
 /// The places of points on the simulation mesh.
@@ -233,8 +195,8 @@ struct SourcePoints {
 }
 
 impl SourcePoints {
-    /// Reads them from `holder`, by the first two of `names`.
-    fn read(holder: &Prim, [faces, coords, _]: [&str; 3]) -> Result<Self, Error> {
+    /// Reads them from `holder`, by the names of faces and coordinates.
+    fn read(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Self, Error> {
         let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
         match value(holder, coords, None)? {
             Some(Value::Vec3fVec(coords)) => Ok(Self { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),

@@ -5,6 +5,7 @@
 
 mod bound;
 mod cache;
+mod chosen;
 mod clips;
 mod conversion;
 mod crate_samples;

@@ -85,10 +85,8 @@ impl Author<'_> {
     pub fn render_bindings(&mut self, render: &Product, products: &[Product]) -> openusd::Result<()> {
         let path = self.model.sibling_path(render.name)?;
         for sim in sims(products) {
-            let binding = match sim.level {
-                0 => render.binding,
-                level => render.level_bindings.get(level as usize).map(Arc::as_ref),
-            };
+            let of_level = render.level_bindings.get(sim.level as usize).map(Arc::as_ref);
+            let binding = of_level.or(render.binding);
             let target = self.model.sibling_path(sim.name)?;
             binding.map_or(Ok(()), |binding| self.binding(&path, binding, &target, sim.level))?;
         }

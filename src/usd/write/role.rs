@@ -74,7 +74,7 @@ pub struct Product<'a> {
     pub mesh: &'a Mesh,
     /// The simulation mesh as cloth; none for no physics.
     pub cloth: Option<&'a Cloth>,
-    /// The places of the render mesh's points on the simulation mesh of the first level.
+    /// The places of the render mesh's points on the simulation mesh of its level.
     pub binding: Option<&'a Binding>,
     /// Their places on the simulation mesh of each level; empty for one level.
     pub level_bindings: &'a [Arc<Binding>],

@@ -1,0 +1,123 @@
+//! The simulation mesh that a cache moves, and the meshes that are bound to it at all levels of detail.
+
+use super::DriveOptions;
+use crate::error::{Error, ErrorCode};
+use crate::usd::names;
+use crate::usd::read::{
+    OrUnreadable, Selection, StageOrigin, all_prims, choices_of, has_points, prim_at, property_names,
+};
+use openusd::sdf::Path;
+use openusd::usd::{PrimPredicate, Stage};
+use std::path::Path as FilePath;
+
+/// A mesh that is bound to a simulation mesh.
+#[derive(Clone)]
+pub struct BoundMesh {
+    pub path: Path,
+    pub sim: Path,
+    /// The level of detail of that simulation mesh, by which the binding is named.
+    pub level: u32,
+}
+
+/// What is to be driven.
+pub struct Chosen {
+    /// The simulation mesh.
+    pub sim: Path,
+    /// The meshes that are bound to it, at least one.
+    pub meshes: Vec<BoundMesh>,
+    /// Whether the options name one of them.
+    is_one: bool,
+}
+
+impl Chosen {
+    /// The meshes of a stage that the options choose.
+    ///
+    /// # Errors
+    /// None, or several simulation meshes.
+    pub fn new(stage: &Stage, options: &DriveOptions) -> Result<Self, Error> {
+        let all = bound_meshes(stage, &options.render)?;
+        let file = options.render.display();
+        let listed = |paths: &[&Path]| paths.iter().map(|path| path.as_str()).collect::<Vec<_>>().join(", ");
+        let of_sim = |sim: &Path| Self {
+            sim: sim.clone(),
+            meshes: all.iter().filter(|mesh| mesh.sim == *sim).cloned().collect(),
+            is_one: false,
+        };
+        if let Some(wanted) = &options.prim {
+            if let Some(mesh) = all.iter().find(|mesh| mesh.sim.as_str() == wanted) {
+                return Ok(of_sim(&mesh.sim));
+            }
+            let found = all.iter().find(|mesh| mesh.path.as_str() == wanted);
+            let one = |mesh: &BoundMesh| Self { sim: mesh.sim.clone(), meshes: vec![mesh.clone()], is_one: true };
+            return found.map(one).ok_or_else(|| {
+                let mut bound: Vec<&Path> = all.iter().map(|mesh| &mesh.path).collect();
+                bound.dedup();
+                Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
+                    .code(ErrorCode::NotBound)
+                    .remedy(format!("the bound meshes are: {}", listed(&bound)))
+            });
+        }
+        // The simulation mesh of the first level of detail stands for those of all.
+        let mut sims: Vec<&Path> = Vec::new();
+        for mesh in all.iter().filter(|mesh| mesh.level == 0) {
+            if !sims.contains(&&mesh.sim) {
+                sims.push(&mesh.sim);
+            }
+        }
+        match sims.as_slice() {
+            [one] => Ok(of_sim(one)),
+            [] => Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
+                .code(ErrorCode::NotBound)
+                .remedy("build it with `usdtailor build` of this version")),
+            _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
+                .code(ErrorCode::SeveralMeshes)
+                .remedy(format!("choose one by --prim: {}", listed(&sims)))),
+        }
+    }
+
+    /// The meshes that are bound to the same simulation mesh in variants of levels of detail that are not selected, each with a
+    /// stage that selects it.
+    ///
+    /// # Errors
+    /// A stage that cannot be read.
+    pub fn other_levels(&self, stage: &Stage, options: &DriveOptions) -> Result<Vec<(Stage, Vec<BoundMesh>)>, Error> {
+        let parent = self.sim.parent().filter(|parent| *parent != Path::abs_root() && !self.is_one);
+        let choices = match parent {
+            Some(parent) => choices_of(&prim_at(stage, &parent)?, names::LOD)?,
+            None => Vec::<Selection>::new(),
+        };
+        let mut found = Vec::new();
+        let mut known: Vec<Path> = self.meshes.iter().map(|mesh| mesh.path.clone()).collect();
+        for choice in choices {
+            let stage = StageOrigin::new(&options.render, None, &[choice]).open()?;
+            let mut meshes = bound_meshes(&stage, &options.render)?;
+            meshes.retain(|mesh| mesh.sim == self.sim && !known.contains(&mesh.path));
+            known.extend(meshes.iter().map(|mesh| mesh.path.clone()));
+            if !meshes.is_empty() {
+                found.push((stage, meshes));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// The bound meshes of a stage, once for each simulation mesh.
+fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<BoundMesh>, Error> {
+    let mut found = Vec::new();
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
+        let prim = prim_at(stage, &path)?;
+        if !has_points(&prim)? {
+            continue;
+        }
+        let properties = property_names(&prim)?;
+        for level in 0.. {
+            let [.., target] = names::binding(level);
+            if !properties.contains(&target) {
+                break;
+            }
+            let targets = prim.relationship(target.as_str()).targets().or_unreadable(&path)?;
+            found.extend(targets.into_iter().next().map(|sim| BoundMesh { path: path.clone(), sim, level }));
+        }
+    }
+    Ok(found)
+}
