@@ -320,6 +320,10 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
     );
     let seams = if plan.seam_level > 0 { format!(", seams after level {}", plan.seam_level) } else { String::new() };
     let _ = writeln!(out, "  render   {} faces at level {}{seams}", plan.render_faces, plan.recipe.render.level);
+    for (number, level) in plan.levels.iter().enumerate() {
+        let (triangles, faces, refined) = (level.expected_faces, level.render_faces, level.recipe.render.level);
+        let _ = writeln!(out, "  LOD{}     about {triangles} triangles, {faces} faces at level {refined}", number + 1);
+    }
     operators(out, garment, &plan.recipe);
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());

@@ -433,11 +433,19 @@ impl Builder {
         })
     }
 
-    /// The sizes of the products of a recipe, by less work than the products take.
+    /// The sizes of the products of a recipe at all its levels of detail, by less work than the products take.
     ///
     /// # Errors
     /// As [`Builder::update`].
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
+        let mut plan = self.plan_level(recipe)?;
+        for level in plan.recipe.lod.coarser() {
+            plan.levels.push(self.plan_level(&plan.recipe.at_level(level, self.mean_edge))?);
+        }
+        Ok(plan)
+    }
+
+    fn plan_level(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
         let (Resolved { recipe, sim, sets }, _) = self.resolved(recipe)?;
         MemoryEstimate::surface(&self.garment, &sim).check(self.max_memory)?;
         self.derive(sets);
@@ -448,6 +456,7 @@ impl Builder {
             chains: sim::baseline(&garment, &sim).chains.len(),
             render_faces: self.render.face_count(&stack)?,
             seam_level: self.render.seam_level(&stack)?,
+            levels: Vec::new(),
             recipe,
         })
     }

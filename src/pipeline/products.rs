@@ -171,4 +171,6 @@ pub struct Plan {
     pub render_faces: usize,
     /// Refinements before the first seam. \[levels\]
     pub seam_level: u32,
+    /// The coarser levels of detail.
+    pub levels: Vec<Self>,
 }

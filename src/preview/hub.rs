@@ -83,6 +83,8 @@ pub struct State {
     can_redo: bool,
     unsaved: bool,
     comparing: Option<Before>,
+    /// The level of detail that is shown.
+    level: u32,
     /// The input of a build of what is on screen; none if it is not saved.
     saved_as: Option<String>,
     kept: Option<KeptEdits>,
@@ -94,6 +96,7 @@ impl State {
         stage: &Stage,
         kept: Option<&Kept>,
         saved_as: Option<String>,
+        level: u32,
         revision: u64,
     ) -> Self {
         Self {
@@ -104,6 +107,7 @@ impl State {
             can_redo: document.can_redo(),
             unsaved: document.is_unsaved(),
             comparing: document.comparing,
+            level,
             saved_as,
             kept: kept
                 .map(|kept| KeptEdits { time: kept.time, is_current: kept.upstream == checksum_of(&stage.upstream) }),
@@ -123,6 +127,7 @@ impl State {
             can_redo: self.can_redo,
             unsaved: self.unsaved,
             comparing: self.comparing,
+            level: self.level,
             saved_as: self.saved_as.as_deref(),
             kept: self.kept,
         })
@@ -136,6 +141,8 @@ struct Job {
     revision: u64,
     stage: Arc<Stage>,
     recipe: Arc<Recipe>,
+    /// The level of detail that is shown.
+    level: u32,
 }
 
 struct HubState {
@@ -145,6 +152,8 @@ struct HubState {
     kept: Vec<Kept>,
     snapshot: Snapshot,
     job: Option<Job>,
+    /// The level of detail that was asked for.
+    level: u32,
     /// The newest simulation mesh.
     simulated: Option<Simulated>,
     /// The file that has the edits as they were last saved.
@@ -166,7 +175,7 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, None, None, 0)),
+            state: Arc::new(State::new(&document, &stage, None, None, 0, 0)),
             stage: Arc::new(stage),
             faults: Arc::default(),
             progress: BTreeMap::new(),
@@ -179,7 +188,7 @@ impl Hub {
         };
         let saved = SavedAs::opened(&input);
         let shared =
-            HubState { input, document, kept: Vec::new(), snapshot, job: None, simulated: None, saved, shot: None };
+            HubState { input, document, kept: Vec::new(), snapshot, job: None, level: 0, simulated: None, saved, shot: None };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);
@@ -251,6 +260,14 @@ impl Hub {
     /// As [`Hub::next_unsaved`], at once.
     pub fn unsaved(&self) -> (u64, Vec<Kept>) {
         self.lock().unsaved()
+    }
+
+    /// Shows a level of detail, or the last one if there are fewer.
+    pub fn show_level(&self, level: u32) {
+        self.change(|shared| {
+            shared.level = level;
+            shared.refresh();
+        });
     }
 
     /// Replaces the edits.
@@ -332,18 +349,20 @@ impl HubState {
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
         let saved_as = self.saved_as().map(|saved| saved.file.display().to_string());
-        let state = State::new(&self.document, &self.snapshot.stage, self.kept.last(), saved_as, revision);
-        self.snapshot.state = Arc::new(state);
         let stage = &self.snapshot.stage;
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
+        let last = checked.as_ref().map_or(self.level, |recipe| recipe.lod.levels.saturating_sub(1));
+        let level = self.level.min(last);
+        let state = State::new(&self.document, stage, self.kept.last(), saved_as, level, revision);
         let faults = match checked {
             Ok(recipe) => {
-                self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe) });
+                self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe), level });
                 Vec::new()
             }
             Err(error) => error.faults,
         };
+        self.snapshot.state = Arc::new(state);
         self.set_faults(Origin::Recipe, faults);
     }
 

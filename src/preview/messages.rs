@@ -134,6 +134,11 @@ pub enum PageMessage {
         /// The file.
         path: String,
     },
+    /// Shows a level of detail.
+    Level {
+        /// Its number; the last one if there are fewer.
+        level: u32,
+    },
     /// Shows a frame of the cache.
     Pose {
         /// Its number, from 0; null for the meshes at bind.
@@ -232,6 +237,8 @@ pub struct StateMessage<'a> {
     pub unsaved: bool,
     /// The earlier state that is shown in place of the edits.
     pub comparing: Option<Before>,
+    /// The level of detail that is shown.
+    pub level: u32,
     /// The input of a build of what is on screen; null if it is not saved.
     pub saved_as: Option<&'a str>,
     /// Edits of an earlier preview that were not saved, which the user may have back.

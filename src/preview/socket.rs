@@ -97,6 +97,7 @@ impl Client {
                 self.meshes.retain(|role, _| view.roles.contains(role));
                 self.view = view;
             }
+            PageMessage::Level { level } => hub.show_level(level),
             PageMessage::Pose { frame } => hub.pose(frame),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Reload => {

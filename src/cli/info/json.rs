@@ -54,6 +54,10 @@ pub fn garment(
         "render": { "faces": plan.render_faces, "seamLevel": plan.seam_level },
         "recipe": plan.recipe,
     });
+    if !plan.levels.is_empty() {
+        let level = |level: &Plan| json!({ "triangles": level.expected_faces, "faces": level.render_faces });
+        described["levels"] = plan.levels.iter().map(level).collect();
+    }
     if let Some(variant) = variant {
         described["variant"] = json!(variant);
     }

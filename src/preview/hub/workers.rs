@@ -27,6 +27,16 @@ pub struct Simulated {
 /// The stage that a thread last worked on, with its builder.
 pub type Known = Option<(Arc<Stage>, Builder)>;
 
+impl Job {
+    /// The recipe of the level that is shown, of the resolved recipe of the first one.
+    fn of_level(&self, recipe: &Recipe, builder: &Builder) -> Recipe {
+        match self.level {
+            0 => recipe.clone(),
+            level => recipe.at_level(level, builder.mean_edge_length()),
+        }
+    }
+}
+
 impl Hub {
     /// Starts the threads that build, each with `threads` threads of its own so that none waits for another.
     ///
@@ -98,34 +108,55 @@ impl Hub {
         let builder = builder_for(known, &job.stage, || self.progress(role));
         let recipe = builder.resolve(&job.recipe)?;
         match role {
-            Role::Sim => self.build_sim(job, builder, &recipe, start),
-            _ => self.build_render(job, builder, recipe, start),
+            // A cache is one of the first level, and moves the render mesh of any.
+            Role::Sim if self.lock().shot.is_some() => self.build_sim(job, builder, &recipe, &recipe, start),
+            Role::Sim => self.build_sim(job, builder, &recipe, &job.of_level(&recipe, builder), start),
+            _ => {
+                let shown = job.of_level(&recipe, builder);
+                self.build_render(job, builder, &recipe, &shown, start)
+            }
         }
     }
 
-    fn build_sim(&self, job: &Job, builder: &mut Builder, recipe: &Recipe, start: Instant) -> Result<(), Error> {
-        let update = builder.update_sim(recipe)?;
+    /// Builds the simulation mesh of the recipe `of_level`; `recipe` is that of the first level.
+    fn build_sim(
+        &self,
+        job: &Job,
+        builder: &mut Builder,
+        recipe: &Recipe,
+        of_level: &Recipe,
+        start: Instant,
+    ) -> Result<(), Error> {
+        let update = builder.update_sim(of_level)?;
         let shown = self.show(Role::Sim, job, &update.mesh, || Arc::new(update.sources()), start);
         if shown.message.get().is_none() {
             let _ = shown.quality.set(Arc::new(update.triangle_quality()));
             let figures = Figures::from(&update.figures());
-            let _ = shown.message.set(product(Role::Sim, job, figures, &update.warnings, &[], recipe));
+            let _ = shown.message.set(product(job, figures, None, &update.warnings, &[], recipe));
         }
         let simulated = Simulated { job: job.clone(), update };
         self.change(|shared| shared.simulated = Some(simulated));
         Ok(())
     }
 
-    fn build_render(&self, job: &Job, builder: &mut Builder, recipe: Recipe, start: Instant) -> Result<(), Error> {
-        let update = builder.update_render(&recipe)?;
+    /// Builds the render mesh of the recipe `of_level`; `recipe` is that of the first level.
+    fn build_render(
+        &self,
+        job: &Job,
+        builder: &mut Builder,
+        recipe: &Recipe,
+        of_level: &Recipe,
+        start: Instant,
+    ) -> Result<(), Error> {
+        let update = builder.update_render(of_level)?;
         let shown = self.show(Role::Render, job, &update.mesh, || update.sources, start);
         let plays = self.lock().shot.is_some();
-        let origins = plays.then(|| builder.render_origins(&recipe)).transpose()?;
+        let origins = plays.then(|| builder.render_origins(of_level)).transpose()?;
         if shown.message.get().is_none() {
             let figures = Figures::from(&RenderFigures::new(&update.mesh));
-            let mut recipe = recipe;
+            let mut recipe = recipe.clone();
             recipe.render.seam_level = update.seam_level;
-            let message = product(Role::Render, job, figures, &update.warnings, &update.operators, &recipe);
+            let message = product(job, figures, Some(of_level.render.level), &update.warnings, &update.operators, &recipe);
             let _ = shown.message.set(message);
         }
         let Some(origins) = origins.map(Arc::new) else { return Ok(()) };
@@ -223,7 +254,8 @@ pub fn builder_for<'a>(
 /// The message of the cloth of a simulation mesh.
 fn cloth(Simulated { job, update }: &Simulated, known: &mut Known) -> Result<Arc<str>, Error> {
     let builder = builder_for(known, &job.stage, Progress::default);
-    let cloth = builder.update_cloth(&job.recipe, update)?;
+    let recipe = job.of_level(&builder.resolve(&job.recipe)?, builder);
+    let cloth = builder.update_cloth(&recipe, update)?;
     let warnings = cloth.iter().flat_map(|cloth| cloth.warnings.iter()).collect();
     let figures = cloth.as_ref().map(|cloth| &cloth.figures);
     Ok(ServerMessage::Cloth(ClothMessage { figures, warnings }).to_text().into())
@@ -237,18 +269,18 @@ fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
     }
 }
 
-/// Figures and warnings of a product.
+/// Figures and warnings of a product: of the render mesh with its refinements, or of the simulation mesh.
 fn product(
-    role: Role,
     job: &Job,
     figures: Figures,
+    level: Option<u32>,
     warnings: &Warnings,
     operators: &[String],
     recipe: &Recipe,
 ) -> Arc<str> {
+    let role = if level.is_some() { Role::Render } else { Role::Sim };
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
-    let level = (role == Role::Render).then_some(recipe.render.level);
     let warnings = job.stage.checks.warnings_in_mesh(warnings);
     let (revision, warnings) = (job.revision, warnings.iter().collect());
     let message = ProductMessage { role, revision, figures, level, warnings, operators, lengths };

@@ -447,6 +447,10 @@ export type PageMessage =
     /** The file. */
     path: string,
   }
+  | { "type": "level",
+    /** Its number; the last one if there are fewer. */
+    level: number,
+  }
   | { "type": "pose",
     /** Its number, from 0; null for the meshes at bind. */
     frame: number | null,
@@ -677,6 +681,8 @@ export type StateMessage = {
   unsaved: boolean,
   /** The earlier state that is shown in place of the edits. */
   comparing: Before | null,
+  /** The level of detail that is shown. */
+  level: number,
   /** The input of a build of what is on screen; null if it is not saved. */
   savedAs: string | null,
   /** Edits of an earlier preview that were not saved, which the user may have back. */

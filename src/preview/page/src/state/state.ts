@@ -85,6 +85,7 @@ const EMPTY: Document = {
   canRedo: false,
   unsaved: false,
   comparing: null,
+  level: 0,
   savedAs: null,
   kept: null,
   merged: {},

@@ -54,7 +54,28 @@ export function ToolBar() {
       />
       {settings.shading === "cloth" && <FabricButton />}
       {settings.shading === "values" && <HeatSelect />}
+      <Levels />
     </div>
+  );
+}
+
+/** The levels of detail, where the recipe has some. */
+function Levels() {
+  const store = useStore();
+  const count = useSelect(({ document }) => Number(document.merged.lod?.levels ?? 1));
+  const level = useSelect(({ document }) => document.level);
+  if (count < 2) return null;
+  return (
+    <Segments
+      label="Level of detail"
+      value={level}
+      choices={Array.from({ length: count }, (_, number) => ({
+        value: number,
+        label: `LOD${number}`,
+        hint: number === 0 ? "The garment as it is simulated" : "The meshes of this level, without cloth",
+      }))}
+      change={(level) => store.command({ type: "level", level })}
+    />
   );
 }
 
