@@ -187,8 +187,17 @@ impl Hub {
             presets: Arc::from(""),
         };
         let saved = SavedAs::opened(&input);
-        let shared =
-            HubState { input, document, kept: Vec::new(), snapshot, job: None, level: 0, simulated: None, saved, shot: None };
+        let shared = HubState {
+            input,
+            document,
+            kept: Vec::new(),
+            snapshot,
+            job: None,
+            level: 0,
+            simulated: None,
+            saved,
+            shot: None,
+        };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);

@@ -54,3 +54,55 @@ impl Recipe {
         recipe
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SeamOptions;
+
+    fn recipe(levels: u32, ratio: f32) -> Recipe {
+        let mut recipe = Recipe { lod: LodOptions { levels, ratio }, ..Recipe::default() };
+        (recipe.sim.max_edge_length, recipe.sim.min_edge_length, recipe.render.level) = (2.0, 0.5, 2);
+        let seam = |width: f32, offset: f32| SeamOptions { width, offset, ..SeamOptions::default() };
+        recipe.seam.insert("thin".into(), seam(0.3, 0.0));
+        recipe.seam.insert("row".into(), seam(0.3, 1.0));
+        recipe.seam.insert("wide".into(), seam(3.0, 0.0));
+        recipe
+    }
+
+    #[test]
+    fn the_first_level_is_the_recipe_itself() {
+        let all = recipe(3, 2.0);
+        assert_eq!(all.at_level(0, 2.0), Recipe { lod: LodOptions::default(), ..all.clone() });
+        assert!(!all.at_level(0, 2.0).cloth.physics.is_empty());
+    }
+
+    #[test]
+    fn lengths_grow_and_refinements_go_by_the_ratio() {
+        for (ratio, levels) in [(2.0, [2, 1, 0, 0]), (4.0, [2, 0, 0, 0]), (1.5, [2, 1, 1, 0])] {
+            let all = recipe(4, ratio);
+            for (level, refined) in (0..).zip(levels) {
+                let one = all.at_level(level, 2.0);
+                assert_eq!(one.render.level, refined, "{ratio} {level}");
+                let scale = ratio.powi(level as i32);
+                assert_eq!([one.sim.max_edge_length, one.sim.min_edge_length], [2.0 * scale, 0.5 * scale]);
+                assert!(level == 0 || one.cloth.physics.is_empty());
+                assert_eq!(one.sim.seed, all.sim.seed);
+            }
+        }
+    }
+
+    #[test]
+    fn seams_narrower_than_a_face_are_creases() {
+        // Faces of the second level are half of an edge of the cage, those of the third all of it.
+        let all = recipe(3, 2.0);
+        for (level, creases) in [(1, ["row", "thin"].as_slice()), (2, &["row", "thin"])] {
+            let one = all.at_level(level, 2.0);
+            let found: Vec<&str> =
+                one.seam.iter().filter(|(_, seam)| seam.crease).map(|(name, _)| name.as_str()).collect();
+            assert_eq!(found, creases);
+            assert!(!one.seam["row"].enabled && one.seam["thin"].enabled && one.seam["wide"].enabled);
+        }
+        assert!(all.at_level(2, 4.0).seam["wide"].crease);
+    }
+}

@@ -86,7 +86,11 @@ impl BuildRecord {
     #[must_use]
     pub(super) fn with_variants(&self, variants: impl Iterator<Item = Selection>) -> Self {
         let mut record = self.clone();
-        record.variants.extend(variants.map(|selection| in_words(&selection)));
+        for variant in variants.map(|selection| in_words(&selection)) {
+            if !record.variants.contains(&variant) {
+                record.variants.push(variant);
+            }
+        }
         record
     }
 

@@ -157,3 +157,20 @@ def test_trims_ride_on_a_draped_skirt_that_is_pinned_at_the_waist(tmp_path):
             assert np.abs(apart[0] - apart[1]).max() < 1e-3 * size, name
             near = [on_triangles([p.min(0) / 2 + p.max(0) / 2], q[triangles])[0] for p, q in ((before, first), (after, last))]
             assert abs(near[0] - near[1]) < 0.02 * size + 0.13, name
+
+
+@pytest.mark.parametrize("schema", ["variants", "usdLod"])
+def test_the_first_level_of_detail_alone_is_simulated(schema, tmp_path):
+    file = tmp_path / "levels.usda"
+    command = [USDTAILOR, "build", ROOT / "examples/tshirt.usda", "-o", file, "--lods", 3, "--lod-schema", schema, "--quiet"]
+    subprocess.run([str(word) for word in command], check=True)
+    model, found, _ = imported(file)
+    assert model.particle_count == len(read(file, "sim")[0])
+    (render,) = found["path_deformable_visual_map"]
+    assert str(render).endswith("/LOD0")
+    if schema == "variants":
+        stage = Usd.Stage.Open(str(file))
+        stage.GetPrimAtPath("/Tshirt").GetVariantSet("LOD").SetVariantSelection("LOD1")
+        stage.Flatten().Export(str(tmp_path / "coarse.usda"))
+        model, _, _ = imported(tmp_path / "coarse.usda")
+        assert model.particle_count == 0

@@ -33,6 +33,7 @@ RENDER = {
     "tailor:render:faceSets": ("bool", False),
 }
 SEAM = {
+    "tailor:seam:x:crease": ("bool", False),
     "tailor:seam:x:width": ("float", 0.0),
     "tailor:seam:x:depth": ("float", 0.0),
     "tailor:seam:x:normalOffset": ("float", 0.0),
@@ -43,6 +44,7 @@ SEAM = {
     "tailor:seam:x:rowGap": ("float", 0.0),
     "tailor:seam:x:enabled": ("bool", True),
 }
+LOD = {"tailor:lod:levels": ("int", 1), "tailor:lod:ratio": ("float", 2.0)}
 FOLD = {
     "tailor:fold:x:thickness": ("float", 0.0),
     "tailor:fold:x:enabled": ("bool", True),
@@ -52,10 +54,11 @@ FOLD = {
 }
 # Those that are applied more than once are here by the name of an instance, x.
 MULTIPLE = {"TailorSeamAPI": "TailorSeamAPI:x", "TailorFoldAPI": "TailorFoldAPI:x"}
-SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
+SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorLodAPI": LOD, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
 RELATIONSHIPS = {
     "TailorSimAPI": {"tailor:sim:constraints"},
     "TailorRenderAPI": set(),
+    "TailorLodAPI": set(),
     "TailorSeamAPI": {"tailor:seam:x:edges"},
     "TailorFoldAPI": {"tailor:fold:x:faces"},
 }

@@ -1,4 +1,5 @@
 //! Products of whole builds.
 
 mod folds;
+mod levels;
 mod products;

@@ -156,7 +156,8 @@ impl Hub {
             let figures = Figures::from(&RenderFigures::new(&update.mesh));
             let mut recipe = recipe.clone();
             recipe.render.seam_level = update.seam_level;
-            let message = product(job, figures, Some(of_level.render.level), &update.warnings, &update.operators, &recipe);
+            let message =
+                product(job, figures, Some(of_level.render.level), &update.warnings, &update.operators, &recipe);
             let _ = shown.message.set(message);
         }
         let Some(origins) = origins.map(Arc::new) else { return Ok(()) };

@@ -72,8 +72,10 @@ pub(super) fn meeting<'a>(
     for &vertex in on_chains.iter().flatten() {
         users.insert(vertex, 1);
     }
-    for (guide, path) in paths {
-        path.inner(guide.is_loop).iter().for_each(|&v| *users.entry(v).or_default() += 1);
+    let at_ends: FxHashSet<VertexId> = ends.values().copied().collect();
+    for (_, path) in paths {
+        // Around a small hole the shortest loop may pass by the end of its guide.
+        path.inner(!at_ends.contains(&path.vertices[0])).iter().for_each(|&v| *users.entry(v).or_default() += 1);
         path.vertices.windows(2).for_each(|pair| *edges.entry(edge_key([pair[0], pair[1]])).or_default() += 1);
     }
     let is_alone = move |path: &EdgePath| {

@@ -95,7 +95,7 @@ pub fn write_bodies(
             }
             let selection =
                 Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
-            copy_into_variant(&mut data, &part, &selection).map_err(|e| bad_name(&selection, &e))?;
+            copy_into_variant(&mut data, &part, &[&selection]).map_err(|e| bad_name(&selection, &e))?;
         }
         let chosen = choices.first().map(|choice| choice.name.to_owned()).unwrap_or_default();
         let selected = Value::VariantSelectionMap([(set.to_owned(), chosen)].into());

@@ -2,7 +2,7 @@
 
 use super::crates::{encode_plainly, remove_unwritable};
 use super::flatten::flattened;
-use super::levels::{check_levels, level_count, level_variants};
+use super::levels::{LevelPart, check_levels, level_count, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{GarmentProducts, Product, ProductRole, SetChoice};
@@ -11,7 +11,7 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Source, flattened_variants};
+use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -191,11 +191,16 @@ fn compose(
             None => std::mem::take(&mut data),
             Some(_) => overlay(stage, frame)?,
         };
-        let bound = warnings.absorb(author(&mut part, of_variant, frame, options)?);
+        let Authored { trims: bound, levels } = warnings.absorb(author(&mut part, of_variant, frame, options)?);
         trims.extend(bound.into_iter().map(|trim| BoundTrim { garment: before + trim.garment, ..trim }));
-        match of_variant[0].variant {
+        let variant = of_variant[0].variant;
+        match variant {
             None => data = part,
-            Some(variant) => copy_into_variant(&mut data, &part, variant).map_err(fault)?,
+            Some(variant) => copy_into_variant(&mut data, &part, &[variant]).map_err(fault)?,
+        }
+        for (level, part) in &levels {
+            let selections: Vec<&Selection> = variant.into_iter().chain([level]).collect();
+            copy_into_variant(&mut data, part, &selections).map_err(fault)?;
         }
         before += of_variant.len();
     }
@@ -219,19 +224,26 @@ pub fn fault(error: openusd::Error) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
 
+/// What is authored of some garments, besides the products.
+struct Authored {
+    trims: Vec<BoundTrim>,
+    /// What belongs in the variants of levels of detail.
+    levels: Vec<LevelPart>,
+}
+
 /// Authors the products of garments, and the places of their trims.
 fn author(
     data: &mut sdf::Data,
     garments: &[GarmentProducts],
     frame: LayerContext,
     options: &WriteOptions,
-) -> Result<(Vec<BoundTrim>, Warnings), Error> {
-    let sets = options.sets;
+) -> Result<(Authored, Warnings), Error> {
+    let (sets, mut levels) = (options.sets, Vec::new());
     let (trims, mut warnings) = TrimBindings::read(garments)?;
     for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         if level_count(products) > 1 {
-            warnings.extend(author.levels(products, options.lod_schema, frame)?);
+            levels.extend(warnings.absorb(author.levels(products, options.lod_schema, frame)?));
             continue;
         }
         for product in *products {
@@ -248,8 +260,9 @@ fn author(
     let model = &garments[0].source.model;
     let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
     let bound = trims.author(&mut author, &mut warnings).map_err(fault)?;
-    check_finite(data, &paths.into_iter().flatten().flatten().collect())?;
-    Ok((bound, warnings))
+    let paths = paths.into_iter().flatten().flatten().collect();
+    [&*data].into_iter().chain(levels.iter().map(|(_, part)| part)).try_for_each(|data| check_finite(data, &paths))?;
+    Ok((Authored { trims: bound, levels }, warnings))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.

@@ -17,7 +17,6 @@ use super::layer::{LayerContext, fault};
 use super::physics::beside;
 use super::product::{Author, extent};
 use super::role::{GarmentProducts, Product, ProductRole};
-use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::garment::Mesh;
 use crate::usd::names;
@@ -30,6 +29,9 @@ use openusd::tf::Token;
 pub const HEURISTIC: &str = "lod";
 /// Share of the screen that a garment covers at most where the second level is drawn.
 const SECOND_LEVEL: f32 = 0.25;
+
+/// A variant of a level, and what is in it.
+pub type LevelPart = (Selection, sdf::Data);
 
 /// The number of levels of some products.
 pub fn level_count(products: &[Product]) -> u32 {
@@ -92,18 +94,23 @@ fn renders<'a>(products: &'a [Product<'a>], level: u32) -> impl Iterator<Item = 
 }
 
 impl Author<'_> {
-    /// Authors products of several levels.
+    /// Authors products of several levels, and returns what belongs in the variants of each.
     ///
     /// # Errors
     /// As [`Author::product`] and [`Author::physics`].
-    pub fn levels(&mut self, products: &[Product], schema: LodSchema, frame: LayerContext) -> Result<Warnings, Error> {
-        let mut warnings = Warnings::default();
+    pub fn levels(
+        &mut self,
+        products: &[Product],
+        schema: LodSchema,
+        frame: LayerContext,
+    ) -> Result<(Vec<LevelPart>, Warnings), Error> {
+        let (mut variants, mut warnings) = (Vec::new(), Warnings::default());
         for sim in sims(products) {
             warnings.extend(self.product(sim).map_err(fault)?);
             self.model_binding(sim).map_err(fault)?;
         }
         match schema {
-            LodSchema::Variants => warnings.extend(self.level_variants(products, frame)?),
+            LodSchema::Variants => variants = warnings.absorb(self.level_variants(products, frame)?),
             LodSchema::UsdLod => {
                 self.lod_root(products).map_err(fault)?;
                 for level in 0..level_count(products) {
@@ -112,23 +119,27 @@ impl Author<'_> {
                 }
             }
         }
-        Ok(warnings)
+        Ok((variants, warnings))
     }
 
-    /// Authors the render meshes of each level in a variant, with the cloth in that of the first level.
-    fn level_variants(&mut self, products: &[Product], frame: LayerContext) -> Result<Warnings, Error> {
-        let mut warnings = Warnings::default();
+    /// The render meshes of each level for its variant, with the cloth for that of the first level, which is selected.
+    fn level_variants(
+        &mut self,
+        products: &[Product],
+        frame: LayerContext,
+    ) -> Result<(Vec<LevelPart>, Warnings), Error> {
+        let (mut variants, mut warnings) = (Vec::new(), Warnings::default());
         let all = level_variants(self.model, products, LodSchema::Variants);
-        for (level, selection) in (0..).zip(&all) {
+        select(self.data, &all[..1]).map_err(fault)?;
+        for (level, selection) in (0..).zip(all) {
             let mut part = sdf::Data::new();
             part.create_spec(Path::abs_root(), SpecType::PseudoRoot);
             let (model, sets) = (self.model, self.sets);
             let mut author = Author { data: &mut part, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
             warnings.extend(author.level(products, level)?);
-            copy_into_variant(self.data, &part, selection).map_err(fault)?;
+            variants.push((selection, part));
         }
-        select(self.data, &all[..1]).map_err(fault)?;
-        Ok(warnings)
+        Ok((variants, warnings))
     }
 
     /// Authors the render meshes of a level. The first one has the cloth.

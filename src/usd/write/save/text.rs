@@ -21,8 +21,12 @@ const MOST_DIGITS: usize = 20;
 /// Writes a layer as text.
 ///
 /// # Errors
-/// A value that text cannot hold, a failure of `out`.
+/// A value that text cannot hold, variants within variants, a failure of `out`.
 pub fn write_text<W: Write>(data: &Data, out: &mut W) -> Result<(), FormatError> {
+    // The USD library would leave them out.
+    if data.iter().any(|(path, _)| path.as_str().matches('{').count() > 1) {
+        return Err(io::Error::other("it has variants within variants, which .usdc can hold").into());
+    }
     let out = &mut Indented::new(out);
     // Nearly no layer has such floats, and looking at each letter takes as long as writing.
     let mut values = data.iter().flat_map(|(_, spec)| spec.fields.iter().map(|(_, value)| value));
