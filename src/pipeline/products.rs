@@ -29,7 +29,7 @@ pub struct Products {
     pub binding: Arc<Binding>,
     /// The places of the garment's own points on the simulation mesh.
     pub cage_binding: Arc<Binding>,
-    /// The coarser levels of detail, which are no cloth. Their warnings are of their own meshes.
+    /// The coarser levels of detail, which are not cloth. Their warnings are of their own meshes.
     pub levels: Vec<Self>,
     /// The places of the render mesh's points on the simulation mesh of each level of detail; empty for one level.
     pub level_bindings: Vec<Arc<Binding>>,

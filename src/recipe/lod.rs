@@ -33,7 +33,7 @@ impl LodOptions {
 impl Recipe {
     /// The recipe of a level of detail, without levels of its own; of a resolved recipe, and a garment with this mean edge
     /// length \[mesh units\]. Target lengths of the simulation mesh grow with the level, and the render mesh has fewer
-    /// refinements; it is no cloth. Seams that are narrower than its faces are creases, and rows beside seams are left out.
+    /// refinements; it is not cloth. Seams that are narrower than its faces are creases, and rows beside seams are left out.
     #[must_use]
     pub fn at_level(&self, level: u32, mean_edge: f32) -> Self {
         let mut recipe = self.clone();

@@ -15,8 +15,8 @@ test("each level shows the meshes that a build writes of it", async (t) => {
   const levels = page.getByRole("radiogroup", { name: "Level of detail" });
   assert.equal(await levels.count(), 0, "there is one level");
   const row = page.locator('[data-key="lod.levels"]');
-  await row.getByRole("textbox").fill("3");
-  await row.getByRole("textbox").press("Enter");
+  await row.getByRole("spinbutton").fill("3");
+  await row.getByRole("spinbutton").press("Enter");
   await levels.waitFor();
   await preview.quiet();
   const report = join(temporaryFolder(t), "report.json");
@@ -34,8 +34,8 @@ test("each level shows the meshes that a build writes of it", async (t) => {
   // The last level that there is.
   await preview.after("sim", () => levels.getByRole("radio", { name: "LOD2" }).click());
   await preview.after("sim", async () => {
-    await row.getByRole("textbox").fill("2");
-    await row.getByRole("textbox").press("Enter");
+    await row.getByRole("spinbutton").fill("2");
+    await row.getByRole("spinbutton").press("Enter");
   });
   await preview.quiet();
   assert.deepEqual(await shown(), wanted[1]);

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor::error::Error;
-use tailor::usd::{Product, ProductRole, ReadOptions, SetChoice, Source, WriteOptions, write};
+use tailor::usd::{LodSchema, Product, ProductRole, ReadOptions, SetChoice, Source, WriteOptions, write};
 use tailor::{Corner, Crease, Elements, Garment, Mesh, Primvar, Subset};
 use tailor::{FaceId, Faces, VertexId};
 
@@ -137,10 +137,24 @@ pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec
     Ok(warnings.iter().map(ToString::to_string).collect())
 }
 
-pub const FORCE: WriteOptions =
-    WriteOptions { flatten: false, force: true, model_guide: true, dry_run: false, sets: SetChoice::All, record: None };
-pub const FLATTEN: WriteOptions =
-    WriteOptions { flatten: true, force: true, model_guide: true, dry_run: false, sets: SetChoice::All, record: None };
+pub const FORCE: WriteOptions = WriteOptions {
+    flatten: false,
+    force: true,
+    model_guide: true,
+    dry_run: false,
+    sets: SetChoice::All,
+    lod_schema: LodSchema::Variants,
+    record: None,
+};
+pub const FLATTEN: WriteOptions = WriteOptions {
+    flatten: true,
+    force: true,
+    model_guide: true,
+    dry_run: false,
+    sets: SetChoice::All,
+    lod_schema: LodSchema::Variants,
+    record: None,
+};
 
 #[track_caller]
 pub fn assert_fault<T>(result: Result<T, Error>, parts: &[&str]) {

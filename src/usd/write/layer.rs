@@ -2,10 +2,10 @@
 
 use super::crates::{encode_plainly, remove_unwritable};
 use super::flatten::flattened;
-use super::levels::{LevelPart, check_levels, level_count, level_variants};
+use super::levels::{LevelPart, check_levels, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
-use super::product::Author;
-use super::role::{GarmentProducts, Product, ProductRole, SetChoice};
+use super::product::{Author, fault};
+use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count};
 use super::save::{Format, OutputFile, text_of};
 use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
@@ -219,11 +219,6 @@ fn compose(
     Ok(((data, trims), warnings))
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
-pub fn fault(error: openusd::Error) -> Error {
-    Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
-}
-
 /// What is authored of some garments, besides the products.
 struct Authored {
     trims: Vec<BoundTrim>,
@@ -243,7 +238,7 @@ fn author(
     for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         if level_count(products) > 1 {
-            levels.extend(warnings.absorb(author.levels(products, options.lod_schema, frame)?));
+            levels.extend(warnings.absorb(author.levels(products, options.lod_schema)?));
             continue;
         }
         for product in *products {

@@ -1,9 +1,8 @@
 //! One product as prims and properties of a layer.
 
-use super::levels::sims;
-use super::role::{Product, ProductRole, SetChoice};
+use super::role::{Product, ProductRole, SetChoice, sims};
 use crate::binding::Binding;
-use crate::error::{Warning, Warnings};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use crate::meter;
@@ -344,6 +343,12 @@ impl Author<'_> {
         }
         Ok(())
     }
+}
+
+/// The error of a layer that does not admit a name or type.
+#[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
+pub fn fault(error: openusd::Error) -> Error {
+    Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
 
 /// The warning of a primvar that no file can hold.

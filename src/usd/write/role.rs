@@ -118,3 +118,13 @@ pub struct GarmentProducts<'a> {
     /// The variant that they are for and become a part of. The garment was read with it.
     pub variant: Option<&'a Selection>,
 }
+
+/// The simulation meshes, level by level.
+pub fn sims<'a>(products: &'a [Product<'a>]) -> impl Iterator<Item = &'a Product<'a>> {
+    products.iter().filter(|product| product.role == ProductRole::Sim)
+}
+
+/// The number of levels of detail of some products.
+pub fn level_count(products: &[Product]) -> u32 {
+    products.iter().map(|product| product.level + 1).max().unwrap_or(1)
+}

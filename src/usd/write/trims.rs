@@ -1,8 +1,7 @@
 //! Trims are bound to the simulation mesh of the garment that they lie on.
 
-use super::levels::sims;
 use super::product::Author;
-use super::role::GarmentProducts;
+use super::role::{GarmentProducts, sims};
 use crate::binding::BindSurface;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Mesh;

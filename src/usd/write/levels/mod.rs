@@ -13,10 +13,9 @@
 //!
 //! A level has a name of its own, so that the points of a shot are never those of another level's faces.
 
-use super::layer::{LayerContext, fault};
 use super::physics::beside;
-use super::product::{Author, extent};
-use super::role::{GarmentProducts, Product, ProductRole};
+use super::product::{Author, extent, fault};
+use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::garment::Mesh;
 use crate::usd::names;
@@ -32,11 +31,6 @@ const SECOND_LEVEL: f32 = 0.25;
 
 /// A variant of a level, and what is in it.
 pub type LevelPart = (Selection, sdf::Data);
-
-/// The number of levels of some products.
-pub fn level_count(products: &[Product]) -> u32 {
-    products.iter().map(|product| product.level + 1).max().unwrap_or(1)
-}
 
 /// The variants that some products become a part of; none without levels.
 pub fn level_variants(model: &Model, products: &[Product], schema: LodSchema) -> Vec<Selection> {
@@ -83,11 +77,6 @@ pub fn check_levels(garment: &GarmentProducts, schema: LodSchema) -> Result<(), 
     Ok(())
 }
 
-/// The simulation meshes, level by level.
-pub fn sims<'a>(products: &'a [Product<'a>]) -> impl Iterator<Item = &'a Product<'a>> {
-    products.iter().filter(|product| product.role == ProductRole::Sim)
-}
-
 /// The render meshes of a level.
 fn renders<'a>(products: &'a [Product<'a>], level: u32) -> impl Iterator<Item = &'a Product<'a>> {
     products.iter().filter(move |product| product.role == ProductRole::Render && product.level == level)
@@ -98,19 +87,14 @@ impl Author<'_> {
     ///
     /// # Errors
     /// As [`Author::product`] and [`Author::physics`].
-    pub fn levels(
-        &mut self,
-        products: &[Product],
-        schema: LodSchema,
-        frame: LayerContext,
-    ) -> Result<(Vec<LevelPart>, Warnings), Error> {
+    pub fn levels(&mut self, products: &[Product], schema: LodSchema) -> Result<(Vec<LevelPart>, Warnings), Error> {
         let (mut variants, mut warnings) = (Vec::new(), Warnings::default());
         for sim in sims(products) {
             warnings.extend(self.product(sim).map_err(fault)?);
             self.model_binding(sim).map_err(fault)?;
         }
         match schema {
-            LodSchema::Variants => variants = warnings.absorb(self.level_variants(products, frame)?),
+            LodSchema::Variants => variants = warnings.absorb(self.level_variants(products)?),
             LodSchema::UsdLod => {
                 self.lod_root(products).map_err(fault)?;
                 for level in 0..level_count(products) {
@@ -123,19 +107,14 @@ impl Author<'_> {
     }
 
     /// The render meshes of each level for its variant, with the cloth for that of the first level, which is selected.
-    fn level_variants(
-        &mut self,
-        products: &[Product],
-        frame: LayerContext,
-    ) -> Result<(Vec<LevelPart>, Warnings), Error> {
+    fn level_variants(&mut self, products: &[Product]) -> Result<(Vec<LevelPart>, Warnings), Error> {
         let (mut variants, mut warnings) = (Vec::new(), Warnings::default());
         let all = level_variants(self.model, products, LodSchema::Variants);
         select(self.data, &all[..1]).map_err(fault)?;
         for (level, selection) in (0..).zip(all) {
             let mut part = sdf::Data::new();
             part.create_spec(Path::abs_root(), SpecType::PseudoRoot);
-            let (model, sets) = (self.model, self.sets);
-            let mut author = Author { data: &mut part, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+            let mut author = Author { data: &mut part, ..*self };
             warnings.extend(author.level(products, level)?);
             variants.push((selection, part));
         }

@@ -28,7 +28,8 @@ const number = (value: unknown): number => (typeof value === "number" && Number.
 /** `auto` is the width that 0 stands for. */
 export function seamSection(fields: Fields, auto: number): Section {
   const width = number(fields.width) || auto;
-  const [offset, depth] = [number(fields.normalOffset), number(fields.depth)];
+  // A crease is a line of the surface as it is.
+  const [offset, depth] = fields.crease === true ? [0, 0] : [number(fields.normalOffset), number(fields.depth)];
   const share = Math.min(1 - LEAST_SIDE, Math.max(LEAST_SIDE, 0.5 * (1 - number(fields.asymmetry))));
   const [left, right] = [width * share, width * (1 - share)];
   const heights = [(1 - LINES[0]) * offset + depth, 0, 0, 0];
