@@ -17,7 +17,7 @@ pub use pieces::Attachment;
 #[cfg(feature = "usd")]
 pub(crate) use pieces::{COVERED, LOOSE_AREA};
 use rest::CageStretch;
-pub use rest::{Rest, RestFigures};
+pub use rest::{Pattern, Rest, RestFigures};
 
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Mesh};
@@ -108,7 +108,7 @@ impl Cloth {
         garment: &Mesh,
         product: &SimProduct,
         mesh: &Mesh,
-        uv_set: &str,
+        pattern: Pattern,
         mean_edge: f32,
     ) -> Result<(Self, Warnings), Error> {
         let mut warnings = Warnings::default();
@@ -127,8 +127,8 @@ impl Cloth {
             ((f64::from(fabric(face.index()).thickness) / meters) as f32).min(0.5 * longest)
         };
         let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
-        let cage = CageStretch::new(garment, uv_set);
-        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), uv_set)?;
+        let cage = CageStretch::new(garment, pattern);
+        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), pattern.uv_set)?;
         warnings.extend(of_rest);
         let cloth = Self {
             physics: options.physics.clone(),

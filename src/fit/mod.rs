@@ -11,6 +11,7 @@ mod clearance;
 mod contacts;
 mod crossings;
 mod figures;
+mod options;
 mod path;
 mod rigid;
 mod stretch;
@@ -19,6 +20,7 @@ mod triangle;
 pub use bodies::Bodies;
 use figures::Ending;
 pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
+pub use options::{BodyOptions, PanelRest};
 
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::Mesh;

@@ -59,6 +59,8 @@ pub enum Domain {
     },
     /// The path of a prim, or empty.
     PrimPath,
+    /// The path of a file, or empty.
+    File,
     /// Prims, by path or by name beside the mesh.
     Prims,
     /// A UV set, or empty.

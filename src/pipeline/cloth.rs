@@ -5,8 +5,9 @@ use super::progress::Clock;
 use super::sim::SimResult;
 use super::{Builder, Resolved};
 use crate::binding::Binding;
-use crate::cloth::{Cloth, ClothOptions, FabricOptions};
+use crate::cloth::{Cloth, ClothOptions, FabricOptions, Pattern};
 use crate::error::{Error, Warnings};
+use crate::fit::PanelRest;
 use crate::garment::Mesh;
 use crate::recipe::Recipe;
 use crate::render::Origins;
@@ -14,8 +15,8 @@ use crate::step::{Same, Step};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The simulation mesh, its UV set, and the options of cloth and fabrics.
-type ClothInput = (Same<SimResult>, String, ClothOptions, BTreeMap<String, FabricOptions>);
+/// The simulation mesh, its UV set, whether its pattern is kept, and the options of cloth and fabrics.
+type ClothInput = (Same<SimResult>, (String, bool), ClothOptions, BTreeMap<String, FabricOptions>);
 
 /// The binding of a render mesh to a simulation mesh.
 pub type BindingStep = Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>;
@@ -49,10 +50,12 @@ impl ClothSteps {
             return Ok(None);
         }
         let (garment, mean_edge) = (&self.garment, self.mean_edge);
-        let input = (Same::from(simulated), recipe.sim.uv_set.clone(), recipe.cloth.clone(), recipe.fabric.clone());
-        let cloth = self.cloth.get(input, |(simulated, uv_set, options, fabrics)| {
+        let panels = (recipe.sim.uv_set.clone(), recipe.fit.rest == PanelRest::Pattern);
+        let input = (Same::from(simulated), panels, recipe.cloth.clone(), recipe.fabric.clone());
+        let cloth = self.cloth.get(input, |(simulated, (uv_set, is_kept), options, fabrics)| {
             let product = &simulated.remeshed.product;
-            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, uv_set, mean_edge);
+            let pattern = Pattern { uv_set, is_kept: *is_kept };
+            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, pattern, mean_edge);
             clock.run("cloth", cloth).map(|(cloth, warnings)| (Arc::new(cloth), warnings))
         })?;
         Ok(Some(cloth))

@@ -48,7 +48,9 @@ impl RecipeFile {
         let text = text.trim_start_matches('\u{feff}');
         // The typed pass reports wrong keys and values with line and column; the second pass keeps only the keys given.
         serde_json::from_str::<Form>(text).map_err(fault)?;
-        serde_json::from_str(text).map_err(fault)
+        let mut file: Self = serde_json::from_str(text).map_err(fault)?;
+        anchor_bodies(&mut file.options, path);
+        Ok(file)
     }
 
     /// The `source` entry, which a `.tailor` file at `path` needs to be opened as an input.
@@ -71,6 +73,16 @@ impl RecipeFile {
     /// The options in the file, as nested keys.
     pub fn into_layer(self) -> Map<String, Value> {
         self.options
+    }
+}
+
+/// Takes relative paths of bodies in some options for those beside `file`, which has the options.
+pub fn anchor_bodies(options: &mut Map<String, Value>, file: &Path) {
+    let Some(Value::Object(fit)) = options.get_mut("fit") else { return };
+    for key in ["from", "to"] {
+        if let Some(Value::String(body)) = fit.get_mut(key).filter(|body| **body != Value::String(String::new())) {
+            *body = file.parent().unwrap_or(Path::new("")).join(&*body).to_string_lossy().into_owned();
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::LodOptions;
 use crate::cloth::{ClothOptions, FabricOptions};
+use crate::fit::BodyOptions;
 use crate::options::{Group, Key, OptionGroup};
 use crate::render::{FoldOptions, OperatorOptions, RenderOptions, SeamOptions};
 use crate::sim::SimOptions;
@@ -97,6 +98,8 @@ groups! {
         cloth: ClothOptions,
         /// Levels of detail.
         lod: LodOptions,
+        /// The body that the garment fits.
+        fit: BodyOptions,
     }
     operators {
         /// Options of each fold, by name.

@@ -1,5 +1,6 @@
 //! A `.tailor` file opened as a USD layer, with its file-format arguments.
 
+use super::input::{attributes, beside};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::recipe::{Layers, RecipeFile};
 use crate::usd::{ReadOptions, Source};
@@ -55,7 +56,9 @@ impl PayloadRecipe {
             }
             _ if FOREIGN_ARGUMENTS.contains(&key) => {}
             _ => {
-                let added = self.arguments.add_text("argument", key, text);
+                let is_body = ["fit.from", "fit.to"].contains(&key) && !text.is_empty();
+                let beside = is_body.then(|| beside(&self.path, text).to_string_lossy().into_owned());
+                let added = self.arguments.add_text("argument", key, beside.as_deref().unwrap_or(text));
                 self.ignored.extend(added.err().map(|error| ignored(&error)));
             }
         }
@@ -94,7 +97,7 @@ impl PayloadRecipe {
     /// `tailor:` attributes of the source that cannot be read.
     pub fn layers(&self, source: &Source) -> Result<(Layers, Warnings), Error> {
         let mut layers = Layers::default();
-        let warnings = layers.add_attributes(source.recipe()?);
+        let warnings = layers.add_attributes(attributes(source)?);
         layers.add(self.file.clone());
         Ok((layers, warnings))
     }

@@ -1,9 +1,10 @@
 //! A garment on disk with the recipes that are given for it, for the command and the preview.
 
+use super::fitted::follow_body;
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::pipeline::Builder;
-use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
+use crate::recipe::{Layers, Recipe, RecipeFile, anchor_bodies, is_recipe};
 use crate::usd::{ReadOptions, Selection, Source, variants_of};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -111,20 +112,25 @@ impl Input {
         Ok(Recipes { file, read, files })
     }
 
-    fn opened(&self, source: Source, recipes: &Recipes) -> Result<OpenGarment, Error> {
+    fn opened(&self, mut source: Source, recipes: &Recipes) -> Result<OpenGarment, Error> {
         let mut warnings = Warnings::default();
         let (mut authored, mut given) = (Layers::default(), Layers::default());
-        warnings.extend(authored.add_attributes(source.recipe()?));
+        warnings.extend(authored.add_attributes(attributes(&source)?));
         recipes.files.iter().for_each(|recipe| given.add(recipe.clone().into_layer()));
         if let Some(layer) = self.recipe.as_deref().filter(|path| is_usd(path)) {
             warnings.extend(given.add_attributes(attributes_of(layer, &source)?));
         }
         self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
-        let mesh = warnings.absorb(source.garment()?);
+        let mut mesh = warnings.absorb(source.garment()?);
         let mut all = authored.clone();
         all.add(given.clone().into_map());
         warnings.extend(all.check_schemas(source.prim(), &source.facts().api_schemas));
         [&mut authored, &mut given].into_iter().for_each(|layers| layers.convert_lengths(mesh.units));
+        all.convert_lengths(mesh.units);
+        // Faults of a recipe are those of its check.
+        if let Ok(recipe) = all.recipe() {
+            warnings.extend(follow_body(&mut source, &mut mesh, &recipe, self.read.time)?);
+        }
         Ok(OpenGarment { source, mesh, authored, given, warnings })
     }
 }
@@ -136,6 +142,16 @@ struct Recipes {
     files: Vec<RecipeFile>,
 }
 
+/// The options of a garment's own stage.
+///
+/// # Errors
+/// As [`Source::recipe`].
+pub fn attributes(source: &Source) -> Result<Map<String, Value>, Error> {
+    let mut options = source.recipe()?;
+    anchor_bodies(&mut options, source.file());
+    Ok(options)
+}
+
 /// The options on the prim of a stage.
 fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Error> {
     if source.is_sewn() {
@@ -143,7 +159,8 @@ fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Er
         return Err(Error::recipe("--recipe", fault)
             .remedy("give the options in a .tailor file, or build over the layer, which has the meshes"));
     }
-    Source::open(layer, &ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() })?.recipe()
+    let read = ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() };
+    attributes(&Source::open(layer, &read)?)
 }
 
 /// True if the file is USD by its name.

@@ -3,18 +3,21 @@
 //! A [`Session`] keeps a [`Builder`] for each recent source, so an edit recomputes only the steps that depend on it.
 
 mod document;
+mod fitted;
 mod input;
 
 pub use document::PayloadRecipe;
 pub use input::{Input, OpenGarment, beside, is_usd};
 
 use crate::error::{Error, ErrorKind, Warnings};
+use crate::fit::BodyOptions;
 use crate::pipeline::{Builder, Products, RenderPanel};
-use crate::recipe::Layers;
+use crate::recipe::{Layers, Recipe};
 use crate::usd::{
     Format, LodSchema, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
 };
 use document::ignored;
+use fitted::follow_body;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -50,10 +53,32 @@ struct Kept {
 /// A source and its products; none where its metadata suffices.
 type Updated = (Arc<Source>, Option<Products>);
 
-/// A source that was read.
+/// A source that was read, on the body that the last recipe named.
 struct Read {
-    source: Arc<Source>,
+    source: Source,
+    body: BodyOptions,
+    on_body: Arc<Source>,
     builder: Builder,
+}
+
+impl Read {
+    fn new(source: Source) -> Result<Self, Error> {
+        let (mesh, warnings) = source.garment()?;
+        let builder = Builder::new(mesh)?.with_warnings(warnings);
+        Ok(Self { on_body: Arc::new(source.clone()), source, body: BodyOptions::default(), builder })
+    }
+
+    /// Builds the recipe, on the body that it names.
+    fn update(&mut self, recipe: &Recipe, time: Option<f64>) -> Result<Products, Error> {
+        if recipe.fit != self.body {
+            let mut on_body = self.source.clone();
+            let (mut mesh, mut warnings) = self.source.garment()?;
+            warnings.extend(follow_body(&mut on_body, &mut mesh, recipe, time)?);
+            let builder = Builder::new(mesh)?.with_warnings(warnings);
+            *self = Self { on_body: Arc::new(on_body), body: recipe.fit.clone(), builder, source: self.source.clone() };
+        }
+        self.builder.update(recipe)
+    }
 }
 
 impl Session {
@@ -107,27 +132,25 @@ impl Session {
         entry: &Entry,
         metadata_only: bool,
     ) -> Result<(Updated, Warnings), Error> {
-        let Read { source, builder } = match opened {
+        let opened = match opened {
             Some(opened) => opened,
             None => opened.insert(self.open(entry)?),
         };
-        let (layers, mut warnings) = document.layers(source)?;
+        let (layers, mut warnings) = document.layers(&opened.source)?;
         let arguments = warnings.absorb(document.arguments());
-        let source = Arc::clone(source);
         if metadata_only {
-            warnings.extend(builder.warnings().iter().cloned());
-            return Ok(((source, None), warnings));
+            warnings.extend(opened.builder.warnings().iter().cloned());
+            return Ok(((Arc::clone(&opened.on_body), None), warnings));
         }
-        let products = warnings.absorb(self.pool.install(|| products(builder, &layers, arguments))?);
+        let time = document.options().time;
+        let products = warnings.absorb(self.pool.install(|| products(opened, &layers, arguments, time))?);
         warnings.extend(products.warnings.iter().cloned());
-        Ok(((source, Some(products)), warnings))
+        Ok(((Arc::clone(&opened.on_body), Some(products)), warnings))
     }
 
     fn open(&self, entry: &Entry) -> Result<Read, Error> {
         let source = Source::from_layer(Arc::clone(&entry.content), &entry.file, &entry.options)?;
-        let (mesh, warnings) = source.garment()?;
-        let builder = self.pool.install(|| Builder::new(mesh))?.with_warnings(warnings);
-        Ok(Read { source: Arc::new(source), builder })
+        self.pool.install(|| Read::new(source))
     }
 
     /// The cache entry of a source, now the most recently used. The content is copied only for a new one.
@@ -166,13 +189,18 @@ impl Session {
 
 /// The products of the options in `layers` and of stronger `arguments`. An argument that no recipe can have is left out with a
 /// warning, so that the garment stays while its user mends the value.
-fn products(builder: &mut Builder, layers: &Layers, mut arguments: Layers) -> Result<(Products, Warnings), Error> {
+fn products(
+    opened: &mut Read,
+    layers: &Layers,
+    mut arguments: Layers,
+    time: Option<f64>,
+) -> Result<(Products, Warnings), Error> {
     let mut warnings = Warnings::default();
     loop {
         let mut all = layers.clone();
         all.add(arguments.clone().into_map());
-        all.convert_lengths(builder.garment().units);
-        let result = all.recipe_for(builder.garment()).and_then(|recipe| builder.update(&recipe));
+        all.convert_lengths(opened.builder.garment().units);
+        let result = all.recipe_for(opened.builder.garment()).and_then(|recipe| opened.update(&recipe, time));
         match result {
             Err(error) if error.kind == ErrorKind::Recipe && !arguments.is_empty() => {
                 warnings.push(ignored(&error));

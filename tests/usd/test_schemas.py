@@ -45,6 +45,11 @@ SEAM = {
     "tailor:seam:x:enabled": ("bool", True),
 }
 LOD = {"tailor:lod:levels": ("int", 1), "tailor:lod:ratio": ("float", 2.0)}
+FIT = {
+    "tailor:fit:from": ("token", ""),
+    "tailor:fit:to": ("token", ""),
+    "tailor:fit:rest": ("token", "graded"),
+}
 FOLD = {
     "tailor:fold:x:thickness": ("float", 0.0),
     "tailor:fold:x:enabled": ("bool", True),
@@ -54,11 +59,12 @@ FOLD = {
 }
 # Those that are applied more than once are here by the name of an instance, x.
 MULTIPLE = {"TailorSeamAPI": "TailorSeamAPI:x", "TailorFoldAPI": "TailorFoldAPI:x"}
-SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorLodAPI": LOD, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
+SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorLodAPI": LOD, "TailorFitAPI": FIT, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
 RELATIONSHIPS = {
     "TailorSimAPI": {"tailor:sim:constraints"},
     "TailorRenderAPI": set(),
     "TailorLodAPI": set(),
+    "TailorFitAPI": {"tailor:fit:rigid", "tailor:fit:keepLength"},
     "TailorSeamAPI": {"tailor:seam:x:edges"},
     "TailorFoldAPI": {"tailor:fold:x:faces"},
 }

@@ -23,7 +23,7 @@ use glam::{DMat2, DVec2, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-pub use stretch::CageStretch;
+pub use stretch::{CageStretch, Pattern};
 use stretch::{root_mean_square, target_edges};
 
 /// Root mean square of the cage's stretch against its UVs up to which a shell is a pattern.
@@ -175,12 +175,12 @@ impl<'a> Shells<'a> {
         for (face, &shell) in surface.shells.iter().enumerate() {
             let shell = shell as usize;
             let triangle = surface.triangle(FaceId::new(face));
-            let stretches = [0, 1, 2].map(|k| cage.of_face[source(3 * face + k)]);
+            let [made, undone] = [&cage.made, &cage.undone].map(|of| [0, 1, 2].map(|k| of[source(3 * face + k)]));
             if parts[shell].is_empty() {
                 first_source[shell] = source(3 * face);
             }
-            parts[shell].extend(stretches.map(|stretch| (stretch, area(triangle))));
-            let mean = (stretches[0] + stretches[1] + stretches[2]) * (1.0 / 3.0);
+            parts[shell].extend(made.map(|stretch| (stretch, area(triangle))));
+            let mean = (undone[0] + undone[1] + undone[2]) * (1.0 / 3.0);
             let flip = DVec2::new(side[shell], 1.0);
             edges.push(target_edges(triangle, uvs(face), mean, side[shell]).map(|edge| edge * flip));
         }

@@ -14,14 +14,25 @@ const MOST_STRETCH: f64 = 5.0;
 pub struct CageStretch {
     /// Length of one UV unit. \[mesh units\]
     pub scale: f64,
-    /// The stretch of each face; the identity where it has none.
-    pub of_face: IdVec<FaceId, DMat2>,
+    /// The stretch of each face as it was made; the identity where it has none.
+    pub made: IdVec<FaceId, DMat2>,
+    /// The stretch of each face that panels have not at rest: that as it was made, or all that it has.
+    pub undone: IdVec<FaceId, DMat2>,
+}
+
+/// The UV set whose shells are panels.
+#[derive(Clone, Copy, Debug)]
+pub struct Pattern<'a> {
+    /// Its name.
+    pub uv_set: &'a str,
+    /// Whether the panels of a fitted garment are those that it was made with, and not graded to its body.
+    pub is_kept: bool,
 }
 
 impl CageStretch {
     /// The stretch of a garment against its UV set; `None` without one. That of a fitted garment is from before the fit, so that its
-    /// panels are graded to the other body.
-    pub fn new(garment: &Mesh, uv_set: &str) -> Option<Self> {
+    /// panels are graded to the other body, unless they are kept.
+    pub fn new(garment: &Mesh, Pattern { uv_set, is_kept }: Pattern) -> Option<Self> {
         let primvar = garment.primvar(uv_set)?;
         let Values::F32(values) = &primvar.values else { return None };
         if primvar.interpolation != Interpolation::FaceVarying || primvar.width() != 2 {
@@ -35,8 +46,12 @@ impl CageStretch {
             return None;
         }
         let uv = |corner| uv(corner) * scale;
-        let of_face = garment.faces.ids().map(|face| face_stretch(&garment.faces, &points, face, &uv));
-        Some(Self { scale, of_face: of_face.collect() })
+        let stretch = |points: &IdVec<VertexId, Vec3>| -> IdVec<FaceId, DMat2> {
+            garment.faces.ids().map(|face| face_stretch(&garment.faces, points, face, &uv)).collect()
+        };
+        let made = stretch(&points);
+        let undone = if is_kept { stretch(&garment.points) } else { made.clone() };
+        Some(Self { scale, made, undone })
     }
 }
 

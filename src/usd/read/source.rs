@@ -16,11 +16,13 @@ use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
+use glam::Vec3;
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
 #[cfg(feature = "preview")]
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The mesh and the time that are read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -82,6 +84,17 @@ pub struct Source {
     pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
+    /// The points on another body, which are written over those of the garment.
+    pub(in crate::usd) fitted: Option<Arc<FittedPoints>>,
+}
+
+/// The points of a garment on another body.
+#[derive(Debug)]
+pub struct FittedPoints {
+    /// In the order of [`Source::garment`].
+    pub points: Vec<Vec3>,
+    /// The time at which the garment was read. \[time codes\]
+    pub time: Option<f64>,
 }
 
 impl Source {
@@ -151,6 +164,7 @@ impl Source {
             warnings,
             records,
             seams: Vec::new(),
+            fitted: None,
         };
         source.sew_itself(tolerance);
         Ok(source)
@@ -187,6 +201,14 @@ impl Source {
     /// A property of a type that no recipe field has, or whose target is not a subset of the mesh.
     pub fn recipe(&self) -> Result<Map<String, Json>, Error> {
         self.recipe.clone()
+    }
+
+    /// Notes that the garment has other points, on one of two bodies. The files of both are files of the garment then.
+    pub(crate) fn set_fitted(&mut self, points: Vec<Vec3>, time: Option<f64>, bodies: &[Self; 2]) {
+        self.fitted = Some(Arc::new(FittedPoints { points, time }));
+        self.model.layers.extend(bodies.iter().flat_map(|body| body.model.layers.iter().cloned()));
+        self.model.layers.sort();
+        self.model.layers.dedup();
     }
 
     /// Whether products of the mesh are beside it.

@@ -134,7 +134,7 @@ fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
 
 impl FittedGarment<'_> {
     /// Authors the points of each mesh. Warns of points that move, which those of one time hide.
-    fn author(&self, stage: &Stage, author: &mut Author) -> Result<Warnings, Error> {
+    pub(super) fn author(&self, stage: &Stage, author: &mut Author) -> Result<Warnings, Error> {
         let (model, mut next, mut warnings) = (&self.source.model, 0, Warnings::default());
         let time = self.time.map(TimeCode::new);
         for panel in &model.panels {

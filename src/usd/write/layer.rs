@@ -1,6 +1,7 @@
 //! Products into layers, and layers into files or bytes.
 
 use super::crates::{encode_plainly, remove_unwritable};
+use super::fit::FittedGarment;
 use super::flatten::flattened;
 use super::levels::{LevelPart, check_levels, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
@@ -11,7 +12,9 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
+use crate::usd::read::{
+    FittedPoints, LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants,
+};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -237,6 +240,10 @@ fn author(
     let (trims, mut warnings) = TrimBindings::read(garments)?;
     for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+        if let Some(FittedPoints { points, time }) = source.fitted.as_deref() {
+            let stage = source.model.origin.open()?;
+            warnings.extend(FittedGarment { source, points, time: *time }.author(&stage, &mut author)?);
+        }
         if level_count(products) > 1 {
             levels.extend(warnings.absorb(author.levels(products, options.lod_schema)?));
             continue;

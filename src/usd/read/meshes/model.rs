@@ -120,6 +120,7 @@ pub fn sewn(
         warnings,
         records,
         seams,
+        fitted: None,
         #[cfg(feature = "preview")]
         looks: looks(stage, &bound),
     })

@@ -130,6 +130,7 @@ export type Domain =
     words: Array<string>,
   }
   | { "type": "primPath" }
+  | { "type": "file" }
   | { "type": "prims" }
   | { "type": "uvSet" }
   | { "type": "weights" }

@@ -124,6 +124,8 @@ function Control({ option, full, ...described }: ControlProps) {
       return <FabricSelect words={domain.words} value={String(value)} change={set} {...described} />;
     case "primPath":
       return <TextField {...described} value={String(value)} placeholder="/Body/hips" change={set} />;
+    case "file":
+      return <TextField {...described} value={String(value)} placeholder="body.usd" change={set} />;
     case "words": {
       const chosen = Array.isArray(value) ? value : [];
       return <WordChoice {...described} words={domain.words} chosen={chosen} change={set} />;

@@ -1,0 +1,71 @@
+//! A garment that follows the body that its recipe names.
+
+use crate::error::{Error, ErrorCode, Warnings};
+use crate::fit::{Bodies, BodyOptions, FitOptions, Fitted, fit};
+use crate::garment::{FIT_FROM, Garment, Interpolation, PrimvarInput, Values};
+use crate::pipeline::Builder;
+use crate::recipe::Recipe;
+use crate::usd::{ReadOptions, Source, body_of};
+use std::path::Path;
+
+/// Moves a garment to the body that its recipe names, and notes its points in the source, which products are written beside. A recipe
+/// without a body moves nothing.
+///
+/// # Errors
+/// A body that cannot be read or does not correspond to the other; sets that the garment lacks.
+pub fn follow_body(
+    source: &mut Source,
+    mesh: &mut Garment,
+    recipe: &Recipe,
+    time: Option<f64>,
+) -> Result<Warnings, Error> {
+    let BodyOptions { from, to, .. } = &recipe.fit;
+    if from.is_empty() && to.is_empty() {
+        return Ok(Warnings::default());
+    }
+    let bodies = [body("fit.from", from)?, body("fit.to", to)?];
+    let Fitted { points, warnings, .. } = fitted(source, mesh, recipe, &bodies)?;
+    if !mesh.primvars.iter().any(|primvar| primvar.name == FIT_FROM) {
+        let made = mesh.points.iter().flat_map(|p| p.to_array()).collect();
+        let made = PrimvarInput::new(FIT_FROM, Interpolation::Vertex, Values::F32(made));
+        mesh.primvars.push(PrimvarInput { components: 3, ..made });
+    }
+    mesh.points.clone_from(&points);
+    source.set_fitted(points, time, &bodies);
+    Ok(warnings)
+}
+
+fn fitted(source: &Source, mesh: &Garment, recipe: &Recipe, [from, to]: &[Source; 2]) -> Result<Fitted, Error> {
+    let [from, to] = [("fit.from", from), ("fit.to", to)]
+        .map(|(key, body)| body_of(source, body).map_err(|error| of_option(key, &error)));
+    let bodies = Bodies::new(&from?, &to?).map_err(|error| of_option("fit.to", &error))?;
+    let builder = Builder::new(mesh.clone())?;
+    let recipe = builder.resolve(recipe)?;
+    let sets = |key: &str, names: &[String]| {
+        let all = names.iter().map(|name| Ok(builder.derived_set(&recipe, key, name)?.elements));
+        all.collect::<Result<Vec<_>, Error>>()
+    };
+    let options = FitOptions {
+        rigid: sets("fit.rigid", &recipe.fit.rigid)?,
+        keep_length: sets("fit.keepLength", &recipe.fit.keep_length)?,
+    };
+    let fitted = fit(builder.garment(), &bodies, &options)?;
+    Ok(Fitted { warnings: builder.warnings_in_file(fitted.warnings), ..fitted })
+}
+
+/// A body, whose faults are those of the option that names it.
+fn body(key: &str, file: &str) -> Result<Source, Error> {
+    if file.is_empty() {
+        let other = if key == "fit.to" { "fit.from" } else { "fit.to" };
+        let fault = Error::recipe(key, format!("it names no body, and {other} does"));
+        return Err(fault.code(ErrorCode::OptionValue).remedy("name the file of a body, or take both out"));
+    }
+    Source::open(Path::new(file), &ReadOptions::default()).map_err(|error| of_option(key, &error))
+}
+
+/// A fault of a body as one of the option that names it.
+fn of_option(key: &str, error: &Error) -> Error {
+    let Some(first) = error.faults.first() else { return Error::recipe(key, error.to_string()) };
+    let text = if first.place.is_empty() { first.text.clone() } else { format!("{}: {}", first.place, first.text) };
+    Error::recipe(key, text).code(first.code).remedy(first.remedy.clone())
+}
