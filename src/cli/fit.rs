@@ -11,7 +11,7 @@ use crate::fit::{Bodies, FitFigures, FitOptions, fit};
 use crate::garment::Elements;
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
-use crate::session::OpenGarment;
+use crate::session::{OpenGarment, trims_stay};
 use crate::usd::{
     BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
     write_bodies, write_fitted,
@@ -345,6 +345,10 @@ fn of_body(mut error: Error) -> Error {
 /// One garment, fitted.
 fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Done, Error> {
     let (source, builder, recipe) = garment.check()?;
+    if !recipe.fit.to.is_empty() {
+        let fault = Error::recipe("fit.to", format!("the recipe fits {} to {} already", source.whole(), recipe.fit.to));
+        return Err(fault.code(ErrorCode::OptionValue).remedy("take fit.from and fit.to out of it, or build it"));
+    }
     let bodies = bodies(command, &source, files)?;
     let sets = |flag: &str, names: &[String]| {
         names.iter().map(|name| set(&builder, &recipe, flag, name)).collect::<Result<Vec<_>, Error>>()
@@ -353,12 +357,7 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
         FitOptions { rigid: sets("rigid", &command.rigid)?, keep_length: sets("keep-length", &command.keep_length)? };
     let fitted = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
-    let trims: Vec<&str> = recipe.trim.values().flat_map(|trim| &trim.prims).map(String::as_str).collect();
-    if !trims.is_empty() {
-        let why = "they are prims of their own, and stay where they are";
-        let warning = Warning::not_carried(format!("the trims of {}: {}", source.whole(), trims.join(", ")), why);
-        warnings.push(warning.remedy("Move them by hand, or make them parts of the garment and name these by --rigid"));
-    }
+    warnings.extend(trims_stay(&source, &recipe));
     warnings.extend(builder.warnings_in_file(fitted.warnings));
     Ok(Done { source, points: fitted.points, figures: fitted.figures, warnings })
 }

@@ -1,6 +1,6 @@
 //! A garment that follows the body that its recipe names.
 
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::fit::{Bodies, BodyOptions, FitOptions, Fitted, fit};
 use crate::garment::{FIT_FROM, Garment, Interpolation, PrimvarInput, Values};
 use crate::pipeline::Builder;
@@ -8,7 +8,7 @@ use crate::recipe::Recipe;
 use crate::usd::{ReadOptions, Source, body_of};
 use std::path::Path;
 
-/// Moves a garment to the body that its recipe names, and notes its points in the source, which products are written beside. A recipe
+/// Moves a garment to the body that its recipe names, and notes its points in the source, for the layer of its products. A recipe
 /// without a body moves nothing.
 ///
 /// # Errors
@@ -24,7 +24,8 @@ pub fn follow_body(
         return Ok(Warnings::default());
     }
     let bodies = [body("fit.from", from)?, body("fit.to", to)?];
-    let Fitted { points, warnings, .. } = fitted(source, mesh, recipe, &bodies)?;
+    let Fitted { points, mut warnings, .. } = fitted(source, mesh, recipe, &bodies)?;
+    warnings.extend(trims_stay(source, recipe));
     if !mesh.primvars.iter().any(|primvar| primvar.name == FIT_FROM) {
         let made = mesh.points.iter().flat_map(|p| p.to_array()).collect();
         let made = PrimvarInput::new(FIT_FROM, Interpolation::Vertex, Values::F32(made));
@@ -33,6 +34,15 @@ pub fn follow_body(
     mesh.points.clone_from(&points);
     source.set_fitted(points, time, &bodies);
     Ok(warnings)
+}
+
+/// The warning of trims that a fit leaves where they are.
+pub fn trims_stay(source: &Source, recipe: &Recipe) -> Option<Warning> {
+    let trims: Vec<&str> = recipe.trim.values().flat_map(|trim| &trim.prims).map(String::as_str).collect();
+    let why = "they are prims of their own, and stay where they are";
+    let warning = Warning::not_carried(format!("the trims of {}: {}", source.whole(), trims.join(", ")), why);
+    let remedy = "Move them by hand, or make them parts of the garment that move as wholes (fit.rigid)";
+    (!trims.is_empty()).then(|| warning.remedy(remedy))
 }
 
 fn fitted(source: &Source, mesh: &Garment, recipe: &Recipe, [from, to]: &[Source; 2]) -> Result<Fitted, Error> {

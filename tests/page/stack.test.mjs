@@ -89,7 +89,10 @@ test("a name is typed with spaces, and one that is taken is refused in words", a
     await field.fill("");
     await field.pressSequentially("hem line");
     await field.press("Enter");
-    if (set === "borders.1") assert.deepEqual(await preview.cards(), ["seam.hem_line"]);
+    if (set === "borders.1") {
+      await preview.card("seam.hem_line").waitFor();
+      assert.deepEqual(await preview.cards(), ["seam.hem_line"]);
+    }
   }
   await preview.page.getByText('there is a seam "hem_line" already').first().waitFor();
 });

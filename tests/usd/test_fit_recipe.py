@@ -124,6 +124,23 @@ def test_a_body_is_not_written_over(usdtailor, scene):
     assert (scene / "thick.usda").read_bytes() == before
 
 
+def test_a_garment_is_not_fitted_twice(usdtailor, scene):
+    coat = recipe(scene / "coat.tailor", "coat.usda", fit={"from": "thin.usda", "to": "thick.usda"})
+    done = fit(usdtailor, coat, "--from", scene / "thin.usda", "--to", scene / "thick.usda", "-o", scene / "out.usda", code=1)
+    assert "already" in done.stderr and not (scene / "out.usda").exists()
+
+
+def test_trims_that_stay_are_named(usdtailor, scene):
+    stage = Usd.Stage.Open(str(scene / "coat.usda"))
+    UsdGeom.Mesh.Define(stage, "/Coat/button").CreatePointsAttr([(3.1, 0, 0), (3.1, 0.1, 0), (3.1, 0, 0.1)])
+    stage.GetPrimAtPath("/Coat/button").CreateAttribute("faceVertexCounts", Sdf.ValueTypeNames.IntArray).Set([3])
+    stage.GetPrimAtPath("/Coat/button").CreateAttribute("faceVertexIndices", Sdf.ValueTypeNames.IntArray).Set([0, 1, 2])
+    stage.Save()
+    args = ("--prim", "/Coat/model", "--set", "trim.button.prims=button", *on("thick", scene))
+    done = build(usdtailor, scene / "coat.usda", scene / "out.usda", *args)
+    assert "button" in done.stderr and "stay where they are" in done.stderr
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
