@@ -396,6 +396,7 @@ impl Inputs {
             },
             base: None,
             recipe: self.recipe.clone(),
+            body: None,
             overrides: provenance.into_iter().chain(physics).chain(lods).chain(self.set.iter().cloned()).collect(),
         }
     }

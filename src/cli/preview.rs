@@ -2,6 +2,7 @@
 
 use super::{Inputs, Output, usage};
 use crate::error::Error;
+use crate::session::Input;
 use crate::usd::CacheFile;
 use clap::Args;
 use std::io::Write;
@@ -17,6 +18,9 @@ pub struct Preview {
     /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
     #[arg(long, value_name = "PATH", help_heading = "Preview", requires = "cache")]
     cache_prim: Option<String>,
+    /// A body to show under the garment [default: that of the recipe's fit.to]
+    #[arg(long, value_name = "FILE", help_heading = "Preview")]
+    body: Option<PathBuf>,
     /// Port of the page on 127.0.0.1 [default: any that is free]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true, help_heading = "Preview")]
     port: u16,
@@ -51,7 +55,8 @@ pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
         }
     };
     let cache = preview.cache.clone().map(|file| CacheFile { file, prim: preview.cache_prim.clone() });
-    crate::preview::serve(preview.inputs.input(file), cache, preview.port, threads, ready)?;
+    let input = Input { body: preview.body.clone(), ..preview.inputs.input(file) };
+    crate::preview::serve(input, cache, preview.port, threads, ready)?;
     // A page may be saving yet.
     crate::usd::remove_unfinished();
     Ok(Output { text: String::new(), code: 0 })

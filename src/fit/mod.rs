@@ -26,6 +26,7 @@ use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::mesh::{Elements, FaceId, VertexId};
 use cage::Cage;
+use crossings::Crossings;
 use glam::{DVec3, Vec3};
 use path::Path;
 use std::collections::BTreeSet;
@@ -107,6 +108,14 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
         return Err(fault.code(ErrorCode::MeshSize).remedy("give both bodies and the garment the same units"));
     }
     Ok(Fitted { points, figures, warnings })
+}
+
+/// The faces of a mesh that cross a body, ascending.
+pub fn faces_through(mesh: &Mesh, body: &Mesh) -> Result<Vec<FaceId>, Error> {
+    let (bodies, cage) = (Bodies::new(body, body)?, Cage::new(mesh));
+    let points: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
+    let found = Crossings::of(&cage, &points, &bodies, &bodies.from).faces(&cage);
+    Ok(found.body.into_iter().map(FaceId::new).collect())
 }
 
 /// The warning of a garment that is not on the body that it is said to be made for.

@@ -384,8 +384,18 @@ impl HubState {
     /// Shows the garment's cage and builds its products.
     fn show_model(&mut self) {
         self.refresh();
+        let stage = Arc::clone(&self.snapshot.stage);
+        self.show_as_read(Role::Model, &stage.shown);
+        match &stage.body {
+            Some(body) => self.show_as_read(Role::Body, &body.mesh),
+            None => drop(self.snapshot.shown.remove(&Role::Body)),
+        }
+    }
+
+    /// Shows a mesh of a file.
+    fn show_as_read(&mut self, role: Role, mesh: &Arc<Mesh>) {
         let shown = Shown {
-            mesh: Arc::clone(&self.snapshot.stage.shown),
+            mesh: Arc::clone(mesh),
             revision: self.snapshot.state.revision,
             build: 0.0,
             recipe: Arc::default(),
@@ -393,7 +403,7 @@ impl HubState {
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
-        self.snapshot.shown.insert(Role::Model, Arc::new(shown));
+        self.snapshot.shown.insert(role, Arc::new(shown));
     }
 
     fn set_faults(&mut self, origin: Origin, faults: Vec<Fault>) {

@@ -26,7 +26,7 @@ use crate::recipe::ListedOperator;
 use crate::sets::Change;
 use serde::{Deserialize, Serialize};
 
-/// The three meshes: the garment's input cage, and the two products.
+/// The meshes: the garment's input cage, the two products, and the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 #[cfg_attr(test, derive(ts_rs::TS))]
@@ -37,6 +37,8 @@ pub enum Role {
     Render,
     /// The simulation mesh.
     Sim,
+    /// The body under the garment.
+    Body,
 }
 
 /// The elements of a set.

@@ -5,13 +5,14 @@ mod images;
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::cloth::{FABRICS, Fabric};
-use crate::error::Error;
-use crate::garment::{DERIVED, Garment, Mesh, PrimvarRole, Subset};
+use crate::error::{Code, Error, Warning, counted};
+use crate::fit::faces_through;
+use crate::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, OpenGarment, is_usd};
 use crate::sets::checksum;
-use crate::usd::{Source, decimal};
+use crate::usd::{ReadOptions, Source, body_of, decimal};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -32,10 +33,18 @@ pub struct Stage {
     pub upstream: Options,
     /// The options of the recipe files, where they differ.
     pub given: Options,
+    /// The body under it.
+    pub body: Option<Body>,
     /// Images of its materials.
     pub images: Images,
     /// The message that describes the garment.
     pub message: String,
+}
+
+/// A body, in the space of the garment.
+pub struct Body {
+    pub mesh: Arc<Mesh>,
+    files: Vec<PathBuf>,
 }
 
 impl Stage {
@@ -44,14 +53,20 @@ impl Stage {
     /// # Errors
     /// A file that cannot be read, faults of the mesh.
     pub fn open(input: &Input) -> Result<Self, Error> {
-        let OpenGarment { source, mesh, authored, given, warnings } = input.open_one()?;
-        let checks = Builder::new(mesh.clone())?.with_warnings(warnings);
+        let garment = input.open_one()?;
+        let body = body_under(&garment, input)?;
+        let OpenGarment { source, mesh, authored, given, mut warnings } = garment;
+        let mut checks = Builder::new(mesh.clone())?;
+        if let Some(body) = &body {
+            warnings.extend(through_body(&checks, &body.mesh)?);
+        }
+        checks = checks.with_warnings(warnings);
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
         let shown = with_listed_sets(&checks);
         let images = Images::of(source.looks().values());
-        let message = message(&source, &checks, &shown, &images, input);
-        Ok(Self { source, mesh, checks, shown, upstream, given, images, message })
+        let message = message(&source, &checks, &shown, &images, input, body.as_ref());
+        Ok(Self { source, mesh, checks, shown, upstream, given, body, images, message })
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -84,8 +99,28 @@ impl Stage {
 
     /// Files of the stage.
     pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
-        self.source.facts().layers.iter().map(PathBuf::from)
+        let of_body = self.body.iter().flat_map(|body| body.files.iter().cloned());
+        self.source.facts().layers.iter().map(PathBuf::from).chain(of_body)
     }
+}
+
+/// The body that the input names, or to which the recipe fits the garment.
+fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Error> {
+    let of_recipe = || garment.layers().recipe().ok().map(|recipe| recipe.fit.to).filter(|to| !to.is_empty());
+    let Some(file) = input.body.clone().or_else(|| of_recipe().map(PathBuf::from)) else { return Ok(None) };
+    let body = Source::open(&file, &ReadOptions::default())?;
+    let mesh = Arc::new(body_of(&garment.source, &body)?);
+    Ok(Some(Body { mesh, files: body.facts().layers.iter().map(PathBuf::from).collect() }))
+}
+
+/// The warning of faces that cross the body.
+fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error> {
+    let faces = faces_through(checks.garment(), body)?;
+    let count = counted(faces.len(), "face crosses the body", "faces cross the body");
+    let warning = Warning::new(Code::FitCrosses, &checks.garment().prim, count);
+    let remedy = "Move them out of it, or hide the skin below them";
+    let faces = checks.in_file(Elements::Faces(faces.clone()));
+    Ok((!faces.is_empty()).then(|| warning.at(faces).remedy(remedy)))
 }
 
 /// Pieces of one set that are shown, the largest.
@@ -119,7 +154,14 @@ fn with_listed_sets(checks: &Builder) -> Arc<Mesh> {
     Arc::new(Mesh { subsets: Arc::new(subsets), ..Mesh::clone(garment) })
 }
 
-fn message(source: &Source, checks: &Builder, shown: &Mesh, images: &Images, input: &Input) -> String {
+fn message(
+    source: &Source,
+    checks: &Builder,
+    shown: &Mesh,
+    images: &Images,
+    input: &Input,
+    body: Option<&Body>,
+) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let warnings = checks.warnings_in_mesh(checks.warnings());
     let looks = source.looks().iter();
@@ -140,6 +182,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, images: &Images, inp
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),
         fabrics: FABRICS.iter().filter_map(|&name| Some((name, Fabric::preset(name)?))).collect(),
+        body: body.map(|body| body.mesh.prim.clone()),
         suggested: suggested(source, input),
         warnings: warnings.iter().collect(),
     })

@@ -22,6 +22,8 @@ pub struct Input {
     pub recipe: Option<PathBuf>,
     /// Options as `key=value`, stronger than all others.
     pub overrides: Vec<String>,
+    /// The file of a body that is shown in the preview; by default the one that the recipe fits the garment to.
+    pub body: Option<PathBuf>,
 }
 
 /// An opened input, before its mesh and its recipe are checked.

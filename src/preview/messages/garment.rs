@@ -44,6 +44,8 @@ pub struct GarmentMessage<'a> {
     pub groups: Vec<GroupTable>,
     /// Properties of the fabrics that every recipe has.
     pub fabrics: BTreeMap<&'static str, Fabric>,
+    /// File and path of the body that is shown under it, if there is one.
+    pub body: Option<String>,
     /// Files to save to.
     pub suggested: SaveTargets,
     /// Warnings of the stage and of its mesh; those of the products are in their own messages.

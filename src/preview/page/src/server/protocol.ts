@@ -318,6 +318,8 @@ export type GarmentMessage = {
   groups: Array<Group>,
   /** Properties of the fabrics that every recipe has. */
   fabrics: { [key in string]: Fabric },
+  /** File and path of the body that is shown under it, if there is one. */
+  body: string | null,
   /** Files to save to. */
   suggested: SaveTargets,
   /** Warnings of the stage and of its mesh; those of the products are in their own messages. */
@@ -555,8 +557,8 @@ export type RestFigures = {
   seamDifference: number,
 };
 
-/** The three meshes: the garment's input cage, and the two products. */
-export type Role = "model" | "render" | "sim";
+/** The meshes: the garment's input cage, the two products, and the body. */
+export type Role = "model" | "render" | "sim" | "body";
 
 /** The answer to `plan` and `save`. */
 export type SaveMessage = {

@@ -17,6 +17,8 @@ export interface Settings {
   edgeSets: boolean;
   flat: boolean;
   shadows: boolean;
+  /** The body under the garment. */
+  body: boolean;
   /** Refinements for display. */
   smooth: number;
   theme: "light" | "dark";
@@ -24,7 +26,7 @@ export interface Settings {
   figures: boolean;
 }
 
-export const ROLE_NAMES: Record<Role, string> = { model: "Model", sim: "Simulation", render: "Render" };
+export const ROLE_NAMES: Record<Role, string> = { model: "Model", sim: "Simulation", render: "Render", body: "Body" };
 
 const KEY = "usdtailor.preview";
 
@@ -39,6 +41,7 @@ const DEFAULTS: Settings = {
   edgeSets: false,
   flat: false,
   shadows: true,
+  body: true,
   smooth: 0,
   theme: "light",
   figures: false,
@@ -79,8 +82,8 @@ function prefersDark(): MediaQueryList {
 }
 
 export function viewOptions(settings: Settings): ViewOptions {
-  const { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, theme } = settings;
-  return { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, theme };
+  const { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, body, theme } = settings;
+  return { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, body, theme };
 }
 
 export interface HeatChoice {

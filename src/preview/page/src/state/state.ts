@@ -152,7 +152,8 @@ type Known = Pick<State, "faults" | "progress" | "products">;
 
 export function standingOf({ faults, progress, products }: Known, role: Role): Standing {
   if (faults.file.length > 0) return { is: "stale", why: "the file cannot be read" };
-  if (role === "model") return CURRENT;
+  // Meshes of files, which nothing builds.
+  if (role === "model" || role === "body") return CURRENT;
   if (faults.recipe.length > 0) return { is: "stale", why: "an option has an error" };
   if (progress[role]) return { is: "building", why: "" };
   if (faults[role].length > 0) return { is: "stale", why: "the last build failed" };

@@ -151,7 +151,7 @@ export class Store {
   #show(changed: Partial<Settings>): void {
     const settings = this.#withHeat({ ...this.state.settings, ...changed });
     this.update({ settings, ...(settings.shading === "values" ? {} : { heat: null }) });
-    const dropped = [...this.#held].filter((role) => role !== "model" && !settings.roles.includes(role));
+    const dropped = [...this.#held].filter((role) => !isHeld(role, settings));
     for (const role of dropped) this.#drop(role);
     this.view?.setOptions(viewOptions(settings));
     this.#ask();
@@ -180,12 +180,13 @@ export class Store {
 
   /** The model is always needed, for marks and picking. */
   #wanted(): PageMessage {
-    const { roles, smooth, shading, fabric, flat, values } = this.state.settings;
+    const { settings } = this.state;
+    const { smooth, shading, fabric, flat, values } = settings;
     const hasImages = fabric.colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);
     const needsUvs = shading === "checker" || flat || (shading === "cloth" && (hasImages || fabric.weave !== "none"));
     return {
       type: "view",
-      roles: ROLES.filter((role) => role === "model" || roles.includes(role)),
+      roles: [...ROLES, "body" as const].filter((role) => isHeld(role, settings)),
       smooth,
       uv: needsUvs,
       values: shading === "values" ? values : null,
@@ -398,13 +399,17 @@ export class Store {
 
   #mesh(frame: MeshFrame): void {
     const { role, replaces, values } = frame.header;
-    const isWanted = role === "model" || this.state.settings.roles.includes(role);
     // Frames that were on their way while the mesh was hidden.
-    if (!isWanted || (!replaces && !this.#held.has(role))) return;
+    if (!isHeld(role, this.state.settings) || (!replaces && !this.#held.has(role))) return;
     this.#held.add(role);
     // A quality figure is of one mesh, so that the others have no values.
     if (values) this.update({ heat: values });
     this.view?.update(frame);
     this.stopwatch.replaced(frame);
   }
+}
+
+/** Whether the page has a mesh. The model is always needed, for marks and picking. */
+function isHeld(role: Role, { roles, body }: Settings): boolean {
+  return role === "model" || (role === "body" ? body : roles.includes(role));
 }

@@ -37,6 +37,8 @@ export interface ViewOptions {
   flat: boolean;
   /** Layers shade one another in the picture at rest. */
   shadows: boolean;
+  /** The body under the garment, where meshes are in space. */
+  body: boolean;
   theme: "light" | "dark";
 }
 
@@ -106,6 +108,8 @@ export interface ViewStats {
 }
 
 export interface View {
+  /** Whether a body is drawn where meshes are in space. */
+  hasBody(): boolean;
   /** Replaces or updates a mesh. The camera frames the first one. */
   update(frame: MeshFrame): void;
   /** Forgets a mesh that is no longer sent. */

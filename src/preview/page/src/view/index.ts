@@ -33,6 +33,8 @@ import { Uploads } from "./uploads";
 
 /** Samples of a picture of a film, which are drawn while it is recorded. */
 const FILMED = 4;
+/** A body as clay. */
+const CLAY: LookInfo[] = [{ set: "", colour: [0.52, 0.4, 0.33], texture: null, roughness: 0.8 }];
 
 /** Turn of the camera for a drag. [radians / CSS pixel] */
 const TURN = 0.0075;
@@ -92,6 +94,7 @@ class CanvasView implements View {
   update(frame: MeshFrame): void {
     const start = performance.now();
     const { role, replaces, revision } = frame.header;
+    if (role === "body") return this.#updateBody(frame, start);
     const known = this.#stage.cloths.get(role);
     if (replaces) this.#replace(role, frame);
     else if (known) known.update(frame);
@@ -106,8 +109,25 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
+  hasBody(): boolean {
+    return this.#stage.body !== null && this.options.body;
+  }
+
+  #updateBody(frame: MeshFrame, start: number): void {
+    const { body } = this.#stage;
+    if (body && !frame.header.replaces) body.update(frame);
+    else {
+      const cloth = new Cloth(frame, this.#stage.paintOf("body"));
+      cloth.setLooks(CLAY, []);
+      this.#stage.setBody(cloth);
+    }
+    this.#uploads.add("body", frame.header.revision, performance.now() - start);
+    this.#invalidate();
+  }
+
   remove(role: Role): void {
-    this.#stage.take(role);
+    if (role === "body") this.#stage.setBody(null);
+    else this.#stage.take(role);
     this.#uploads.forget(role);
     this.#placeMarkers();
     this.#hover.forget();

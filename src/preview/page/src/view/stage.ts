@@ -47,6 +47,8 @@ export interface Sheet {
 export class Stage {
   readonly renderer: WebGLRenderer;
   readonly cloths = new Map<Role, Cloth>();
+  /** The body under the garment. It is neither picked nor marked. */
+  body: Cloth | null = null;
   /** Meshes that a split view compares with. */
   readonly kept = new Map<Role, Cloth>();
   readonly images = new Images();
@@ -82,6 +84,7 @@ export class Stage {
   readonly #half = new Vector3(1, 1, 1);
   readonly #shadows: Shadows;
   #hasShadows = false;
+  #hasBody = true;
   /** A pixel of the canvas has one sample. */
   readonly #isHard: boolean;
   #metersPerUnit = 0.01;
@@ -135,6 +138,15 @@ export class Stage {
     among.delete(role);
   }
 
+  setBody(body: Cloth | null): void {
+    if (this.body) {
+      this.#world.remove(this.body.object);
+      this.body.dispose();
+    }
+    this.body = body;
+    if (body) this.#world.add(body.object);
+  }
+
   /** Those of now, and those that were kept. */
   get all(): Cloth[] {
     return [...this.cloths.values(), ...this.kept.values()];
@@ -146,6 +158,7 @@ export class Stage {
     this.uniforms.uShading.value = SHADINGS[options.shading];
     this.#setFabric(options.fabric);
     this.#hasShadows = options.shadows;
+    this.#hasBody = options.body;
     this.#backdrop.setTheme(options.theme);
   }
 
@@ -303,6 +316,10 @@ export class Stage {
       cloth.lines.setOver(!last);
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
       cloth.lines.setVisible(!last || drawn.length < 2);
+    }
+    if (this.body) {
+      this.body.object.visible = this.#hasBody && !flat;
+      this.body.lines.setVisible(false);
     }
     this.markersOf(!flat).show(null);
     this.markersOf(flat).show(drawn);

@@ -36,6 +36,7 @@ export function ToolBar() {
           </button>
         ))}
       </span>
+      <BodyButton />
       <Segments
         label="Layout"
         value={settings.layout}
@@ -56,6 +57,19 @@ export function ToolBar() {
       {settings.shading === "values" && <HeatSelect />}
       <Levels />
     </div>
+  );
+}
+
+/** Shows the body under the garment, where there is one. */
+function BodyButton() {
+  const store = useStore();
+  const body = useSelect(({ garment }) => garment?.body ?? null);
+  const on = useSelect(({ settings }) => settings.body);
+  if (body === null) return null;
+  return (
+    <button type="button" class="role" aria-pressed={on} title={`Show or hide ${body}`} onClick={() => store.settings({ body: !on })}>
+      Body
+    </button>
   );
 }
 

@@ -12,7 +12,7 @@ export class MarkerSet {
   /** What the pointer is on where the meshes are seen in the other way. */
   readonly hovered = new Marks(ACCENT, 4, FAINT);
   /** The selection on each mesh. */
-  readonly selections: Record<Role, Marks> = {
+  readonly selections: Record<Exclude<Role, "body">, Marks> = {
     model: new Marks(SELECTED, 5, FAINT),
     sim: new Marks(SELECTED, 5, FAINT),
     render: new Marks(SELECTED, 5, FAINT),

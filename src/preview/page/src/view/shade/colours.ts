@@ -28,6 +28,7 @@ export const OVERLAYS: Record<string, Rgb> = {
   model: [0.85, 0.32, 0.08],
   sim: [0.0, 0.33, 0.42],
   render: [0.36, 0.22, 0.62],
+  body: [0.5, 0.45, 0.42],
 };
 
 const GOLDEN_ANGLE = 137.508;

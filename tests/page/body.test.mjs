@@ -1,0 +1,76 @@
+// The body under a garment.
+
+import assert from "node:assert/strict";
+import { writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { test } from "node:test";
+import { assertClean, show } from "./support/browser.mjs";
+import { sheetFile } from "./support/garments.mjs";
+
+/** A cloth of 4 by 4 quads, 4 wide. */
+const SHEET = `
+    def Mesh "model"
+    {
+        point3f[] points = [${Array.from({ length: 25 }, (_, i) => `(${i % 5}, ${Math.floor(i / 5)}, 0)`).join(", ")}]
+        int[] faceVertexCounts = [${Array(16).fill(4).join(", ")}]
+        int[] faceVertexIndices = [${Array.from({ length: 16 }, (_, i) => i + Math.floor(i / 4)).flatMap((at) => [at, at + 1, at + 6, at + 5]).join(", ")}]
+    }`;
+
+/** A box from one corner to the other. */
+function body(path, least, most) {
+  const corners = Array.from({ length: 8 }, (_, i) => [0, 1, 2].map((axis) => ((i >> axis) & 1 ? most : least)[axis]));
+  const faces = [0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5];
+  const points = corners.map((corner) => `(${corner.join(", ")})`).join(", ");
+  const mesh = `point3f[] points = [${points}]\n int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]\n int[] faceVertexIndices = [${faces.join(", ")}]`;
+  writeFileSync(path, `#usda 1.0\n(\n upAxis = "Y"\n metersPerUnit = 0.01\n)\ndef Mesh "body"\n{\n uniform token subdivisionScheme = "none"\n ${mesh}\n}\n`);
+  return path;
+}
+
+test("a body is drawn under the garment, hidden and shown, and what crosses it is named", async (t) => {
+  const garment = sheetFile(t, SHEET);
+  const file = body(join(dirname(garment), "box.usda"), [0.4, 0.4, -3], [1.6, 1.6, 0.5]);
+  const preview = await show(t, garment, { args: ["--body", file] });
+  const { page } = preview;
+  const button = page.getByRole("button", { name: "Body", exact: true });
+  await button.waitFor();
+  assert.equal(await button.getAttribute("aria-pressed"), "true");
+  assert.match(await button.getAttribute("title"), /box\.usda/);
+  await preview.when(() => preview.store.view.hasBody());
+  const crossing = await preview.state(({ garment }) => garment.warnings.find(({ code }) => code === "fit-crosses"));
+  assert.match(crossing.problem, /4 faces cross the body/);
+  assert.deepEqual(crossing.elements.faces.toSorted((a, b) => a - b), [0, 1, 4, 5]);
+
+  await button.click();
+  await preview.when(() => !preview.store.view.hasBody());
+  assert.equal(await button.getAttribute("aria-pressed"), "false");
+  await button.click();
+  await preview.when(() => preview.store.view.hasBody());
+
+  // A body that is mended is read again.
+  body(file, [0.4, 0.4, -3], [1.6, 1.6, -0.5]);
+  await preview.when(() => !preview.store.state.garment.warnings.some(({ code }) => code === "fit-crosses"));
+  assertClean(preview);
+});
+
+test("without a body there is no button", async (t) => {
+  const preview = await show(t, sheetFile(t, SHEET));
+  assert.equal(await preview.page.getByRole("button", { name: "Body", exact: true }).count(), 0);
+  assertClean(preview);
+});
+
+test("the body of the recipe is the one that is shown", async (t) => {
+  const garment = sheetFile(t, SHEET);
+  const folder = dirname(garment);
+  body(join(folder, "thin.usda"), [0, 0, -2], [4, 4, -0.5]);
+  body(join(folder, "thick.usda"), [0, 0, -2], [4, 4, 0.5]);
+  const recipe = join(folder, "sheet.tailor");
+  writeFileSync(recipe, JSON.stringify({ source: "sheet.usda", fit: { from: "thin.usda", to: "thick.usda" } }));
+  const preview = await show(t, recipe);
+  await preview.when(() => preview.store.view.hasBody());
+  assert.match(await preview.state(({ garment }) => garment.body), /thick\.usda/);
+  // The cloth lay half a unit over the thin body, and lies as far over the thick one.
+  const points = await preview.points("model");
+  const heights = points.filter((_, at) => at % 3 === 2);
+  assert.ok(Math.min(...heights) > 0.6, `${heights}`);
+  assertClean(preview);
+});
