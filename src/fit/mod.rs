@@ -48,11 +48,22 @@ pub struct FitOptions {
     pub keep_length: Vec<Elements>,
 }
 
+/// A garment on the way to another body.
+#[derive(Clone, Debug)]
+pub struct FitStep {
+    /// Share of the way.
+    pub share: f64,
+    /// Its points. \[mesh units\]
+    pub points: Vec<Vec3>,
+}
+
 /// A fitted garment.
 #[derive(Clone, Debug)]
 pub struct Fitted {
     /// The points of the garment on the other body. \[mesh units\]
     pub points: Vec<Vec3>,
+    /// The garment on its way, from the start to where the way ends.
+    pub steps: Vec<FitStep>,
     /// How well it fits.
     pub figures: FitFigures,
     /// What could not follow.
@@ -102,12 +113,15 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     let figures = FitFigures::new(mesh, &path, &end);
     warnings.extend(new_crossings(mesh, &path, &end));
     warnings.extend(left_behind(mesh, &path, &end, &figures));
-    let points: Vec<Vec3> = end.points.iter().map(|p| p.as_vec3()).collect();
+    let single = |points: &[DVec3]| points.iter().map(|p| p.as_vec3()).collect::<Vec<Vec3>>();
+    let points = single(&end.points);
+    let step = |(share, points): &(f64, Vec<DVec3>)| FitStep { share: *share, points: single(points) };
+    let steps = path.steps.iter().map(step).collect();
     if points.iter().any(|p| !p.is_finite()) {
         let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
         return Err(fault.code(ErrorCode::MeshSize).remedy("give both bodies and the garment the same units"));
     }
-    Ok(Fitted { points, figures, warnings })
+    Ok(Fitted { points, steps, figures, warnings })
 }
 
 /// The faces of a mesh that cross a body, ascending.

@@ -42,6 +42,8 @@ pub struct Path<'a> {
     released: usize,
     /// The share of the way that it went.
     pub share: f64,
+    /// The points at shares of the way.
+    pub steps: Vec<(f64, Vec<DVec3>)>,
 }
 
 /// A garment at a share of the way.
@@ -68,6 +70,7 @@ impl<'a> Path<'a> {
             stuck: CrossingFaces::default(),
             released: 0,
             share: 0.0,
+            steps: Vec::new(),
         }
     }
 
@@ -77,6 +80,7 @@ impl<'a> Path<'a> {
         // Whole numbers, so that the end is met.
         let unit = STEPS << MOST_CUTS;
         let (mut at, mut step) = (0, 1 << MOST_CUTS);
+        self.steps = vec![(0.0, state.points.clone())];
         while at < unit {
             let next = (at + step).min(unit);
             let shape_share = next as f64 / unit as f64;
@@ -84,6 +88,7 @@ impl<'a> Path<'a> {
             match self.step(&state, shape_share, rounds) {
                 Some(moved) => {
                     (state, at) = (moved, next);
+                    self.steps.push((shape_share, state.points.clone()));
                     step = (2 * step).min(1 << MOST_CUTS);
                 }
                 None if step > 1 => step /= 2,
@@ -96,6 +101,9 @@ impl<'a> Path<'a> {
         }
         self.share = at as f64 / unit as f64;
         self.rigid.snap(&mut state.points);
+        if let Some((_, last)) = self.steps.last_mut() {
+            last.clone_from(&state.points);
+        }
         state.points
     }
 

@@ -5,12 +5,13 @@
 //! they have them.
 
 mod builds;
+mod fit;
 pub mod keep;
 mod shot;
 mod workers;
 
 use super::document::{Before, EditHistory, Options};
-use super::messages::{BuildMessage, KeptEdits, Origin, Role, ServerMessage, ShotMessage, StateMessage};
+use super::messages::{BuildMessage, FitMessage, KeptEdits, Origin, Role, ServerMessage, ShotMessage, StateMessage};
 use super::stage::Stage;
 use crate::error::{Error, Fault};
 use crate::garment::Mesh;
@@ -63,6 +64,10 @@ pub struct Snapshot {
     pub shown: BTreeMap<Role, Arc<Shown>>,
     /// The meshes of a frame of the cache, which are shown in place of those at bind.
     pub posed: BTreeMap<Role, Arc<Shown>>,
+    /// The garment and the body on the way of the fit, in place of those at its end.
+    pub on_way: BTreeMap<Role, Arc<Shown>>,
+    /// The place on that way; none without a fit.
+    pub fit: Option<Arc<FitMessage>>,
     /// The cache that is played, once it is opened.
     pub shot: Option<Arc<ShotMessage>>,
     /// The message of the cloth, once it is made.
@@ -181,6 +186,8 @@ impl Hub {
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
             posed: BTreeMap::new(),
+            on_way: BTreeMap::new(),
+            fit: None,
             shot: None,
             cloth: None,
             build: None,
@@ -390,6 +397,8 @@ impl HubState {
             Some(body) => self.show_as_read(Role::Body, &body.mesh),
             None => drop(self.snapshot.shown.remove(&Role::Body)),
         }
+        self.snapshot.on_way.clear();
+        self.snapshot.fit = stage.at_end().map(Arc::new);
     }
 
     /// Shows a mesh of a file.

@@ -141,6 +141,11 @@ pub enum PageMessage {
         /// Its number; the last one if there are fewer.
         level: u32,
     },
+    /// Shows the garment and the body on the way of the fit.
+    Fit {
+        /// The share of the way, from 0 to 1.
+        share: f64,
+    },
     /// Shows a frame of the cache.
     Pose {
         /// Its number, from 0; null for the meshes at bind.
@@ -192,6 +197,8 @@ pub enum ServerMessage<'a> {
     Build(&'a BuildMessage),
     /// The cache that is played.
     Shot(&'a ShotMessage),
+    /// The place on the way of the fit.
+    Fit(&'a FitMessage),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.
@@ -285,6 +292,16 @@ pub struct FaultsMessage<'a> {
     pub origin: Origin,
     /// The faults; none if all is well.
     pub faults: &'a [Fault],
+}
+
+/// The place of the garment and the body on the way of the fit.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct FitMessage {
+    /// The share of the way, from 0 to 1.
+    pub share: f64,
+    /// The faces of the garment that cross the body there.
+    pub crossings: Vec<usize>,
 }
 
 /// Work that has begun or ended.

@@ -3,7 +3,8 @@
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
 use super::messages::{
-    BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage, View,
+    BuildMessage, FaultsMessage, FitMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage,
+    View,
 };
 use super::save::{self, presets};
 use super::select::select;
@@ -44,6 +45,7 @@ struct Client {
     cloth: Option<Arc<str>>,
     build: Option<Arc<BuildMessage>>,
     shot: Option<Arc<ShotMessage>>,
+    fit: Option<Arc<FitMessage>>,
     presets: Arc<str>,
 }
 
@@ -98,6 +100,7 @@ impl Client {
                 self.view = view;
             }
             PageMessage::Level { level } => hub.show_level(level),
+            PageMessage::Fit { share } => hub.show_on_way(share),
             PageMessage::Pose { frame } => hub.pose(frame),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Reload => {
@@ -121,7 +124,7 @@ impl Client {
         let mut news = Vec::new();
         if !self.stage.as_ref().is_some_and(|stage| Arc::ptr_eq(stage, &now.stage)) {
             self.stage = Some(Arc::clone(&now.stage));
-            self.state = None;
+            (self.state, self.fit) = (None, None);
             news.push(text(now.stage.message.clone()));
         }
         let is_known = |(state, serial): &(Arc<State>, u64)| Arc::ptr_eq(state, &now.state) && *serial == self.serial;
@@ -156,6 +159,10 @@ impl Client {
             self.shot.clone_from(&now.shot);
             news.extend(now.shot.as_deref().map(|shot| text(ServerMessage::Shot(shot).to_text())));
         }
+        if self.fit != now.fit {
+            self.fit.clone_from(&now.fit);
+            news.extend(now.fit.as_deref().map(|fit| text(ServerMessage::Fit(fit).to_text())));
+        }
         if self.build != now.build {
             self.build.clone_from(&now.build);
             news.extend(now.build.as_deref().map(|build| text(ServerMessage::Build(build).to_text())));
@@ -180,7 +187,7 @@ impl Client {
 
     fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
         for (&role, shown) in now.shown.iter().filter(|(role, _)| self.view.roles.contains(role)) {
-            let shown = now.posed.get(&role).unwrap_or(shown);
+            let shown = now.posed.get(&role).or(now.on_way.get(&role)).unwrap_or(shown);
             match frame(role, shown, &self.view, self.meshes.entry(role).or_default()) {
                 Ok(Some(bytes)) => news.push(ws::Message::Binary(bytes.into())),
                 Ok(None) => {}

@@ -3,16 +3,20 @@
 mod images;
 
 use super::document::{Options, changed};
-use super::messages::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
+use super::messages::{
+    FitMessage, GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet,
+};
 use crate::cloth::{FABRICS, Fabric};
 use crate::error::{Code, Error, Warning, counted};
 use crate::fit::faces_through;
 use crate::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
+use crate::mesh::IdVec;
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
-use crate::session::{Input, OpenGarment, is_usd};
+use crate::session::{FitWay, Input, OpenGarment, is_usd};
 use crate::sets::checksum;
 use crate::usd::{ReadOptions, Source, body_of, decimal};
+use glam::Vec3;
 use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -35,6 +39,8 @@ pub struct Stage {
     pub given: Options,
     /// The body under it.
     pub body: Option<Body>,
+    /// Its way to that body, where the recipe fits it.
+    way: Option<FitWay>,
     /// Images of its materials.
     pub images: Images,
     /// The message that describes the garment.
@@ -55,7 +61,9 @@ impl Stage {
     pub fn open(input: &Input) -> Result<Self, Error> {
         let garment = input.open_one()?;
         let body = body_under(&garment, input)?;
-        let OpenGarment { source, mesh, authored, given, mut warnings } = garment;
+        let OpenGarment { source, mesh, authored, given, way, mut warnings } = garment;
+        // A body that is named here may be another than that of the recipe.
+        let way = way.filter(|_| input.body.is_none());
         let mut checks = Builder::new(mesh.clone())?;
         if let Some(body) = &body {
             warnings.extend(through_body(&checks, &body.mesh)?);
@@ -66,7 +74,21 @@ impl Stage {
         let shown = with_listed_sets(&checks);
         let images = Images::of(source.looks().values());
         let message = message(&source, &checks, &shown, &images, input, body.as_ref());
-        Ok(Self { source, mesh, checks, shown, upstream, given, body, images, message })
+        Ok(Self { source, mesh, checks, shown, upstream, given, body, way, images, message })
+    }
+
+    /// The end of the way, at which the garment is shown first; none without a way.
+    pub fn at_end(&self) -> Option<FitMessage> {
+        Some(self.on_way(1.0)?.0)
+    }
+
+    /// The points of the garment and of the body after a share of the way, with the message about them; none without a way.
+    pub fn on_way(&self, share: f64) -> Option<(FitMessage, [Vec<Vec3>; 2])> {
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 };
+        let (points, body) = self.way.as_ref()?.at(share);
+        let garment = Mesh { points: points.into_iter().collect(), ..Mesh::clone(&self.shown) };
+        let crossings = faces_through(&garment, &body).unwrap_or_default().iter().map(|face| face.index()).collect();
+        Some((FitMessage { share, crossings }, [garment.points, body.points].map(IdVec::into_vec)))
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -109,7 +131,12 @@ fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Erro
     let of_recipe = || garment.layers().recipe().ok().map(|recipe| recipe.fit.to).filter(|to| !to.is_empty());
     let Some(file) = input.body.clone().or_else(|| of_recipe().map(PathBuf::from)) else { return Ok(None) };
     let body = Source::open(&file, &ReadOptions::default())?;
-    let mesh = Arc::new(body_of(&garment.source, &body)?);
+    let mesh = body_of(&garment.source, &body)?;
+    // Its faces stay as they are on the way.
+    let mesh = match garment.way.as_ref().filter(|_| input.body.is_none()) {
+        Some(way) => Arc::new(Mesh { prim: mesh.prim, ..way.at(1.0).1 }),
+        None => Arc::new(mesh),
+    };
     Ok(Some(Body { mesh, files: body.facts().layers.iter().map(PathBuf::from).collect() }))
 }
 

@@ -1,12 +1,34 @@
 //! A garment that follows the body that its recipe names.
 
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::fit::{Bodies, BodyOptions, FitOptions, Fitted, fit};
-use crate::garment::{FIT_FROM, Garment, Interpolation, PrimvarInput, Values};
+use crate::fit::{Bodies, BodyOptions, FitOptions, FitStep, Fitted, fit};
+use crate::garment::{FIT_FROM, Garment, Interpolation, Mesh, PrimvarInput, Values};
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
 use crate::usd::{ReadOptions, Source, body_of};
+use glam::Vec3;
 use std::path::Path;
+
+/// The way of a garment from one body to another.
+#[derive(Clone, Debug)]
+pub struct FitWay {
+    steps: Vec<FitStep>,
+    bodies: Bodies,
+    /// The first body.
+    from: Mesh,
+}
+
+impl FitWay {
+    /// The points of the garment and the body after a share of the way.
+    pub fn at(&self, share: f64) -> (Vec<Vec3>, Mesh) {
+        let body = self.bodies.shape_at(share).into_iter().collect();
+        let next = self.steps.partition_point(|step| step.share < share).min(self.steps.len() - 1);
+        let (before, after) = (&self.steps[next.saturating_sub(1)], &self.steps[next]);
+        let along = ((share - before.share) / (after.share - before.share).max(f64::EPSILON)).clamp(0.0, 1.0) as f32;
+        let points = before.points.iter().zip(&after.points).map(|(a, b)| a.lerp(*b, along)).collect();
+        (points, Mesh { points: body, ..self.from.clone() })
+    }
+}
 
 /// Moves a garment to the body that its recipe names, and notes its points in the source, for the layer of its products. A recipe
 /// without a body moves nothing.
@@ -18,13 +40,17 @@ pub fn follow_body(
     mesh: &mut Garment,
     recipe: &Recipe,
     time: Option<f64>,
-) -> Result<Warnings, Error> {
+) -> Result<(Option<FitWay>, Warnings), Error> {
     let BodyOptions { from, to, .. } = &recipe.fit;
     if from.is_empty() && to.is_empty() {
-        return Ok(Warnings::default());
+        return Ok((None, Warnings::default()));
     }
-    let bodies = [body("fit.from", from)?, body("fit.to", to)?];
-    let Fitted { points, mut warnings, .. } = fitted(source, mesh, recipe, &bodies)?;
+    let files = [body("fit.from", from)?, body("fit.to", to)?];
+    let [from, to] = [("fit.from", &files[0]), ("fit.to", &files[1])]
+        .map(|(key, body)| body_of(source, body).map_err(|error| of_option(key, &error)));
+    let (from, to) = (from?, to?);
+    let bodies = Bodies::new(&from, &to).map_err(|error| of_option("fit.to", &error))?;
+    let Fitted { points, steps, mut warnings, .. } = fitted(mesh, recipe, &bodies)?;
     warnings.extend(trims_stay(source, recipe));
     if !mesh.primvars.iter().any(|primvar| primvar.name == FIT_FROM) {
         let made = mesh.points.iter().flat_map(|p| p.to_array()).collect();
@@ -32,8 +58,8 @@ pub fn follow_body(
         mesh.primvars.push(PrimvarInput { components: 3, ..made });
     }
     mesh.points.clone_from(&points);
-    source.set_fitted(points, time, &bodies);
-    Ok(warnings)
+    source.set_fitted(points, time, &files);
+    Ok((Some(FitWay { steps, bodies, from }), warnings))
 }
 
 /// The warning of trims that a fit leaves where they are.
@@ -45,10 +71,7 @@ pub fn trims_stay(source: &Source, recipe: &Recipe) -> Option<Warning> {
     (!trims.is_empty()).then(|| warning.remedy(remedy))
 }
 
-fn fitted(source: &Source, mesh: &Garment, recipe: &Recipe, [from, to]: &[Source; 2]) -> Result<Fitted, Error> {
-    let [from, to] = [("fit.from", from), ("fit.to", to)]
-        .map(|(key, body)| body_of(source, body).map_err(|error| of_option(key, &error)));
-    let bodies = Bodies::new(&from?, &to?).map_err(|error| of_option("fit.to", &error))?;
+fn fitted(mesh: &Garment, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Error> {
     let builder = Builder::new(mesh.clone())?;
     let recipe = builder.resolve(recipe)?;
     let sets = |key: &str, names: &[String]| {
@@ -59,7 +82,7 @@ fn fitted(source: &Source, mesh: &Garment, recipe: &Recipe, [from, to]: &[Source
         rigid: sets("fit.rigid", &recipe.fit.rigid)?,
         keep_length: sets("fit.keepLength", &recipe.fit.keep_length)?,
     };
-    let fitted = fit(builder.garment(), &bodies, &options)?;
+    let fitted = fit(builder.garment(), bodies, &options)?;
     Ok(Fitted { warnings: builder.warnings_in_file(fitted.warnings), ..fitted })
 }
 

@@ -1,6 +1,6 @@
 //! A garment on disk with the recipes that are given for it, for the command and the preview.
 
-use super::fitted::follow_body;
+use super::fitted::{FitWay, follow_body};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::pipeline::Builder;
@@ -37,6 +37,8 @@ pub struct OpenGarment {
     pub authored: Layers,
     /// The options of the recipes and overrides.
     pub given: Layers,
+    /// The way of the garment to the body of the recipe, where it names one.
+    pub(crate) way: Option<FitWay>,
     /// Warnings of the stage and of its options.
     pub warnings: Warnings,
 }
@@ -130,10 +132,11 @@ impl Input {
         [&mut authored, &mut given].into_iter().for_each(|layers| layers.convert_lengths(mesh.units));
         all.convert_lengths(mesh.units);
         // Faults of a recipe are those of its check.
+        let mut way = None;
         if let Ok(recipe) = all.recipe() {
-            warnings.extend(follow_body(&mut source, &mut mesh, &recipe, self.read.time)?);
+            way = warnings.absorb(follow_body(&mut source, &mut mesh, &recipe, self.read.time)?);
         }
-        Ok(OpenGarment { source, mesh, authored, given, warnings })
+        Ok(OpenGarment { source, mesh, authored, given, way, warnings })
     }
 }
 

@@ -7,7 +7,7 @@ mod fitted;
 mod input;
 
 pub use document::PayloadRecipe;
-pub(crate) use fitted::trims_stay;
+pub(crate) use fitted::{FitWay, trims_stay};
 pub use input::{Input, OpenGarment, beside, is_usd};
 
 use crate::error::{Error, ErrorKind, Warnings};
@@ -74,7 +74,7 @@ impl Read {
         if recipe.fit != self.body {
             let mut on_body = self.source.clone();
             let (mut mesh, mut warnings) = self.source.garment()?;
-            warnings.extend(follow_body(&mut on_body, &mut mesh, recipe, time)?);
+            warnings.extend(follow_body(&mut on_body, &mut mesh, recipe, time)?.1);
             let builder = Builder::new(mesh)?.with_warnings(warnings);
             *self = Self { on_body: Arc::new(on_body), body: recipe.fit.clone(), builder, source: self.source.clone() };
         }

@@ -69,8 +69,20 @@ test("the body of the recipe is the one that is shown", async (t) => {
   await preview.when(() => preview.store.view.hasBody());
   assert.match(await preview.state(({ garment }) => garment.body), /thick\.usda/);
   // The cloth lay half a unit over the thin body, and lies as far over the thick one.
-  const points = await preview.points("model");
-  const heights = points.filter((_, at) => at % 3 === 2);
+  const heights = Array.from(await preview.points("model")).filter((_, at) => at % 3 === 2);
   assert.ok(Math.min(...heights) > 0.6, `${heights}`);
+
+  const slider = preview.page.getByRole("slider", { name: "Share of the fit" });
+  const heightsAt = async (share) => {
+    await slider.fill(String(share));
+    await preview.when((share) => preview.store.state.fit.share === share, share);
+    await preview.quiet();
+    return Array.from(await preview.points("model")).filter((_, at) => at % 3 === 2);
+  };
+  assert.equal(Math.max(...(await heightsAt(0)).map(Math.abs)), 0, "the garment as it was made");
+  const half = await heightsAt(0.5);
+  assert.ok(Math.min(...half) > 0.2 && Math.max(...half) < Math.max(...heights), `${half}`);
+  assert.match(await slider.getAttribute("aria-valuetext"), /50 %, nothing crosses/);
+  assert.deepEqual(await heightsAt(1), heights);
   assertClean(preview);
 });

@@ -176,7 +176,7 @@ impl Bound {
 
 impl Shown {
     /// The mesh with other points.
-    fn moved(&self, points: Vec<Vec3>) -> Self {
+    pub fn moved(&self, points: Vec<Vec3>) -> Self {
         let points: IdVec<VertexId, Vec3> = points.into();
         Self { mesh: Arc::new(Mesh { points, ..Mesh::clone(&self.mesh) }), ..self.clone() }
     }

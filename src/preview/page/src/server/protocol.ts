@@ -286,6 +286,14 @@ export type Figures = {
   quads: number | null,
 };
 
+/** The place of the garment and the body on the way of the fit. */
+export type FitMessage = {
+  /** The share of the way, from 0 to 1. */
+  share: number,
+  /** The faces of the garment that cross the body there. */
+  crossings: Array<number>,
+};
+
 /** The garment as it was read. First message of a connection, and again each time the stage is read anew. */
 export type GarmentMessage = {
   /** Version of this program. */
@@ -454,6 +462,10 @@ export type PageMessage =
     /** Its number; the last one if there are fewer. */
     level: number,
   }
+  | { "type": "fit",
+    /** The share of the way, from 0 to 1. */
+    share: number,
+  }
   | { "type": "pose",
     /** Its number, from 0; null for the meshes at bind. */
     frame: number | null,
@@ -610,6 +622,7 @@ export type ServerMessage =
   | { "type": "cloth" } & ClothMessage
   | { "type": "build" } & BuildMessage
   | { "type": "shot" } & ShotMessage
+  | { "type": "fit" } & FitMessage
   | { "type": "progress" } & ProgressMessage
   | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage

@@ -1,7 +1,7 @@
 // The state of the page, which the store changes and components read.
 
 import type { Fields, KindName } from "../server/options";
-import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
+import type { BuildMessage, ClothMessage, DrawnValues, Fault, FitMessage, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
@@ -32,6 +32,8 @@ export interface State {
   progress: Partial<Record<Role, { step: string; since: number }>>;
   cloth: ClothMessage | null;
   shot: ShotMessage | null;
+  /** The place on the way of the fit; null without one. */
+  fit: FitMessage | null;
   isPlaying: boolean;
   heat: DrawnValues | null;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
@@ -103,6 +105,7 @@ export function initialState(): State {
     progress: {},
     cloth: null,
     shot: null,
+    fit: null,
     isPlaying: false,
     heat: null,
     drawn: 0,

@@ -9,6 +9,7 @@ import type { Settings } from "./settings";
 import { initialState, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
 import { Player } from "./player";
+import { Way } from "./way";
 import { Stopwatch } from "./stopwatch";
 import type { MeshFrame } from "../server/frame";
 import type { Options, Value } from "../server/options";
@@ -35,6 +36,7 @@ export class Store {
   view: View | null = null;
   readonly gestures = new Gestures();
   readonly player = new Player(this);
+  readonly way = new Way(this);
   readonly stopwatch = new Stopwatch();
   readonly #listeners = new Set<() => void>();
   readonly #queue = new EditQueue((message) => this.send(message));
@@ -301,6 +303,7 @@ export class Store {
     this.#queue.reset();
     this.selector.reset();
     this.player.reset();
+    this.way.reset();
     this.update({ connection: "open" });
     this.#asked = "";
     this.#ask();
@@ -325,6 +328,8 @@ export class Store {
         return this.update({ build: message });
       case "shot":
         return this.player.receive(message);
+      case "fit":
+        return this.way.receive(message);
       case "cloth":
         return this.update({ cloth: message });
       case "progress":
@@ -341,6 +346,7 @@ export class Store {
   }
 
   #garment(garment: GarmentMessage): void {
+    this.way.reset();
     if (this.state.marked) this.mark(null);
     this.made.clear();
     this.#lastHovered = null;

@@ -6,6 +6,7 @@ import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
 import { PickPopover } from "./PickPopover";
+import { FitBar } from "./FitBar";
 import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
 import { ROLE_NAMES } from "../../state/settings";
@@ -38,6 +39,7 @@ export function Stage() {
       <HoverLabel />
       <PickPopover />
       <SelectionBar />
+      <FitBar />
       <ScrubBar />
       <Toasts />
       <IsolatedNote />
