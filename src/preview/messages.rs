@@ -302,6 +302,8 @@ pub struct FitMessage {
     pub share: f64,
     /// The faces of the garment that cross the body there.
     pub crossings: Vec<usize>,
+    /// How many of them do not at the start.
+    pub new: usize,
 }
 
 /// Work that has begun or ended.

@@ -85,10 +85,17 @@ impl Stage {
     /// The points of the garment and of the body after a share of the way, with the message about them; none without a way.
     pub fn on_way(&self, share: f64) -> Option<(FitMessage, [Vec<Vec3>; 2])> {
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 };
-        let (points, body) = self.way.as_ref()?.at(share);
-        let garment = Mesh { points: points.into_iter().collect(), ..Mesh::clone(&self.shown) };
-        let crossings = faces_through(&garment, &body).unwrap_or_default().iter().map(|face| face.index()).collect();
-        Some((FitMessage { share, crossings }, [garment.points, body.points].map(IdVec::into_vec)))
+        let way = self.way.as_ref()?;
+        let at = |share: f64| {
+            let (points, body) = way.at(share);
+            let garment = Mesh { points: points.into_iter().collect(), ..Mesh::clone(&self.shown) };
+            let crossing = faces_through(&garment, &body).unwrap_or_default();
+            (crossing, [garment.points, body.points].map(IdVec::into_vec))
+        };
+        let (before, (crossing, points)) = (at(0.0).0, at(share));
+        let new = crossing.iter().filter(|face| !before.contains(face)).count();
+        let crossings = crossing.iter().map(|face| face.index()).collect();
+        Some((FitMessage { share, crossings, new }, points))
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -143,11 +150,13 @@ fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Erro
 /// The warning of faces that cross the body.
 fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error> {
     let faces = faces_through(checks.garment(), body)?;
+    if faces.is_empty() {
+        return Ok(None);
+    }
     let count = counted(faces.len(), "face crosses the body", "faces cross the body");
     let warning = Warning::new(Code::FitCrosses, &checks.garment().prim, count);
-    let remedy = "Move them out of it, or hide the skin below them";
-    let faces = checks.in_file(Elements::Faces(faces.clone()));
-    Ok((!faces.is_empty()).then(|| warning.at(faces).remedy(remedy)))
+    let faces = checks.in_file(Elements::Faces(faces));
+    Ok(Some(warning.at(faces).remedy("Move them out of it, or hide the skin below them")))
 }
 
 /// Pieces of one set that are shown, the largest.

@@ -292,6 +292,8 @@ export type FitMessage = {
   share: number,
   /** The faces of the garment that cross the body there. */
   crossings: Array<number>,
+  /** How many of them do not at the start. */
+  new: number,
 };
 
 /** The garment as it was read. First message of a connection, and again each time the stage is read anew. */

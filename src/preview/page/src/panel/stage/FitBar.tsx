@@ -7,8 +7,9 @@ export function FitBar() {
   const store = useStore();
   const fit = useSelect((state) => state.fit);
   if (!fit) return null;
-  const { share, crossings } = fit;
-  const crossing = crossings.length === 0 ? "nothing crosses" : `${crossings.length} ${crossings.length === 1 ? "face crosses" : "faces cross"}`;
+  const { share, crossings, new: fresh } = fit;
+  const faces = crossings.length === 1 ? "1 face crosses" : `${crossings.length} faces cross`;
+  const crossing = crossings.length === 0 ? "nothing crosses" : `${faces}, ${fresh === 0 ? "none" : fresh} new`;
   return (
     <div class="scrub-bar" role="group" aria-label="Fit" title="From the body that the garment was made for to the one that it fits">
       <input
