@@ -9,6 +9,7 @@
 #include <pxr/base/vt/value.h>
 #include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/pcp/dynamicFileFormatContext.h>
+#include <pxr/usd/sdf/assetPath.h>
 
 #include <cstdint>
 #include <optional>
@@ -106,6 +107,8 @@ std::optional<std::string> Text(const VtValue &value)
     } else if (
         AddNumber<float>(value, &text) || AddNumber<double>(value, &text) || AddNumber<int>(value, &text) ||
         AddNumber<unsigned int>(value, &text) || AddNumber<int64_t>(value, &text)) {
+    } else if (value.IsHolding<SdfAssetPath>()) {
+        text = value.UncheckedGet<SdfAssetPath>().GetAssetPath();
     } else if (IsText(value.GetTypeid())) {
         text = TfStringify(value);
     } else if (IsText(value.GetElementTypeid())) {

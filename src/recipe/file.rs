@@ -77,7 +77,7 @@ impl RecipeFile {
 }
 
 /// Takes relative paths of bodies in some options for those beside `file`, which has the options.
-pub fn anchor_bodies(options: &mut Map<String, Value>, file: &Path) {
+fn anchor_bodies(options: &mut Map<String, Value>, file: &Path) {
     let Some(Value::Object(fit)) = options.get_mut("fit") else { return };
     for key in ["from", "to"] {
         if let Some(Value::String(body)) = fit.get_mut(key).filter(|body| **body != Value::String(String::new())) {

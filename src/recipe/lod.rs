@@ -47,7 +47,7 @@ impl Recipe {
         recipe.sim.min_edge_length *= scale;
         recipe.render.level = self.render.level.saturating_sub(scale.log2().round() as u32);
         let face = mean_edge * (-(recipe.render.level as f32)).exp2();
-        for seam in recipe.seam.values_mut().filter(|seam| seam.width < face) {
+        for seam in recipe.seam.values_mut().filter(|seam| seam.width < face && !seam.crease) {
             seam.enabled &= seam.offset == 0.0;
             seam.crease = true;
         }

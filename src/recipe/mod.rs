@@ -17,7 +17,7 @@ mod sets;
 mod uv_set;
 
 pub(crate) use bind::bind_uv_set;
-pub use file::{RecipeFile, anchor_bodies, is_recipe};
+pub use file::{RecipeFile, is_recipe};
 pub use groups::{OPERATORS, Recipe};
 pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;

@@ -1,6 +1,6 @@
 //! A `.tailor` file opened as a USD layer, with its file-format arguments.
 
-use super::input::{attributes, beside};
+use super::input::beside;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::recipe::{Layers, RecipeFile};
 use crate::usd::{ReadOptions, Source};
@@ -97,7 +97,7 @@ impl PayloadRecipe {
     /// `tailor:` attributes of the source that cannot be read.
     pub fn layers(&self, source: &Source) -> Result<(Layers, Warnings), Error> {
         let mut layers = Layers::default();
-        let warnings = layers.add_attributes(attributes(source)?);
+        let warnings = layers.add_attributes(source.recipe()?);
         layers.add(self.file.clone());
         Ok((layers, warnings))
     }

@@ -42,8 +42,12 @@ pub fn follow_body(
     time: Option<f64>,
 ) -> Result<(Option<FitWay>, Warnings), Error> {
     let BodyOptions { from, to, .. } = &recipe.fit;
-    if from.is_empty() && to.is_empty() {
+    if to.is_empty() {
         return Ok((None, Warnings::default()));
+    }
+    // A garment that is fitted already is fitted again from the body that it was made for.
+    if let Some(made) = made_points(mesh) {
+        mesh.points = made;
     }
     let files = [body("fit.from", from)?, body("fit.to", to)?];
     let [from, to] = [("fit.from", &files[0]), ("fit.to", &files[1])]
@@ -60,6 +64,19 @@ pub fn follow_body(
     mesh.points.clone_from(&points);
     source.set_fitted(points, time, &files);
     Ok((Some(FitWay { steps, bodies, from }), warnings))
+}
+
+/// The points with which a fitted garment was made.
+fn made_points(mesh: &Garment) -> Option<Vec<Vec3>> {
+    let is_made = |primvar: &&PrimvarInput| {
+        primvar.name == FIT_FROM && primvar.interpolation == Interpolation::Vertex && primvar.indices.is_none()
+    };
+    match &mesh.primvars.iter().find(is_made)?.values {
+        Values::F32(made) if made.len() == 3 * mesh.points.len() => {
+            Some(made.chunks_exact(3).map(Vec3::from_slice).collect())
+        }
+        _ => None,
+    }
 }
 
 /// The warning of trims that a fit leaves where they are.
@@ -89,9 +106,8 @@ fn fitted(mesh: &Garment, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Er
 /// A body, whose faults are those of the option that names it.
 fn body(key: &str, file: &str) -> Result<Source, Error> {
     if file.is_empty() {
-        let other = if key == "fit.to" { "fit.from" } else { "fit.to" };
-        let fault = Error::recipe(key, format!("it names no body, and {other} does"));
-        return Err(fault.code(ErrorCode::OptionValue).remedy("name the file of a body, or take both out"));
+        let fault = Error::recipe(key, "it names no body, and fit.to does").code(ErrorCode::OptionValue);
+        return Err(fault.remedy("name the file of the body that the garment was made for, or take fit.to out"));
     }
     Source::open(Path::new(file), &ReadOptions::default()).map_err(|error| of_option(key, &error))
 }
@@ -100,5 +116,6 @@ fn body(key: &str, file: &str) -> Result<Source, Error> {
 fn of_option(key: &str, error: &Error) -> Error {
     let Some(first) = error.faults.first() else { return Error::recipe(key, error.to_string()) };
     let text = if first.place.is_empty() { first.text.clone() } else { format!("{}: {}", first.place, first.text) };
-    Error::recipe(key, text).code(first.code).remedy(first.remedy.clone())
+    let remedy = if first.remedy.contains("--prim") { "name a file with one mesh" } else { &first.remedy };
+    Error::recipe(key, text).code(first.code).remedy(remedy)
 }

@@ -4,7 +4,7 @@ use super::fitted::{FitWay, follow_body};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::pipeline::Builder;
-use crate::recipe::{Layers, Recipe, RecipeFile, anchor_bodies, is_recipe};
+use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
 use crate::usd::{ReadOptions, Selection, Source, variants_of};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -119,7 +119,7 @@ impl Input {
     fn opened(&self, mut source: Source, recipes: &Recipes) -> Result<OpenGarment, Error> {
         let mut warnings = Warnings::default();
         let (mut authored, mut given) = (Layers::default(), Layers::default());
-        warnings.extend(authored.add_attributes(attributes(&source)?));
+        warnings.extend(authored.add_attributes(source.recipe()?));
         recipes.files.iter().for_each(|recipe| given.add(recipe.clone().into_layer()));
         if let Some(layer) = self.recipe.as_deref().filter(|path| is_usd(path)) {
             warnings.extend(given.add_attributes(attributes_of(layer, &source)?));
@@ -147,16 +147,6 @@ struct Recipes {
     files: Vec<RecipeFile>,
 }
 
-/// The options of a garment's own stage.
-///
-/// # Errors
-/// As [`Source::recipe`].
-pub fn attributes(source: &Source) -> Result<Map<String, Value>, Error> {
-    let mut options = source.recipe()?;
-    anchor_bodies(&mut options, source.file());
-    Ok(options)
-}
-
 /// The options on the prim of a stage.
 fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Error> {
     if source.is_sewn() {
@@ -164,8 +154,7 @@ fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Er
         return Err(Error::recipe("--recipe", fault)
             .remedy("give the options in a .tailor file, or build over the layer, which has the meshes"));
     }
-    let read = ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() };
-    attributes(&Source::open(layer, &read)?)
+    Source::open(layer, &ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() })?.recipe()
 }
 
 /// True if the file is USD by its name.

@@ -119,6 +119,11 @@ pub fn is_trim_prims(property: &str) -> bool {
     property.starts_with("tailor:trim:") && property.ends_with(":prims")
 }
 
+/// Whether a property is an option with the file of a body.
+pub fn is_body(property: &str) -> bool {
+    ["tailor:fit:from", "tailor:fit:to"].contains(&property)
+}
+
 /// Whether a build wrote this property on a product. A build of that product writes it anew: it is neither an option nor a
 /// primvar of the model.
 pub fn is_produced(property: &str) -> bool {

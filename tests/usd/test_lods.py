@@ -180,9 +180,11 @@ def test_one_mesh_of_a_level_is_driven_alone(built, usdtailor, tmp_path):
     sim = UsdGeom.Mesh(root_of(product.stage).GetChild("sim"))
     np.save(tmp_path / "cache.npy", points_of(sim)[None].astype(np.float32))
     shot = tmp_path / "shot.usda"
-    done = run(usdtailor, "drive", product.path, "--cache", tmp_path / "cache.npy", "-o", shot, "--prim", "/Coat/LOD0")
-    assert done.returncode == 0, done.stderr
-    assert "LOD1" not in shot.read_text()
+    # Whether it is selected or not.
+    for level, other in ((0, 1), (1, 0)):
+        done = run(usdtailor, "drive", product.path, "--cache", tmp_path / "cache.npy", "-o", shot, "--prim", f"/Coat/LOD{level}", "--force")
+        assert done.returncode == 0, done.stderr
+        assert f'"LOD{level}"' in shot.read_text() and f'"LOD{other}"' not in shot.read_text()
 
 
 def item_of(root, heuristic, size):
@@ -325,6 +327,35 @@ def test_products_of_an_earlier_build_are_not_hidden(build, usdtailor, tmp_path)
     product = build(COAT)
     done = run(usdtailor, "build", product.path, "--lods", "2", "-o", tmp_path / "out.usda")
     assert done.returncode != 0 and "has products already" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("schema", ["variants", "usdLod"])
+def test_levels_of_an_earlier_build_do_not_stay(schema, build, usdtailor, tmp_path):
+    product = build(COAT, "--lods", "2", "--lod-schema", schema)
+    done = run(usdtailor, "build", product.path, "-o", tmp_path / "out.usda")
+    assert done.returncode != 0 and "levels of detail of an earlier build" in done.stderr, done.stderr
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_garments_of_one_parent_have_as_many_levels(usdtailor, tmp_path):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "two.usda"))
+    UsdGeom.Xform.Define(stage, "/Suit")
+    for name, levels, x in (("shirt", 3, 0.0), ("skirt", 2, 50.0)):
+        mesh = UsdGeom.Mesh.Define(stage, f"/Suit/{name}")
+        mesh.GetPointsAttr().Set([(x + i % 5, i // 5, 0) for i in range(25)])
+        mesh.GetFaceVertexCountsAttr().Set([4] * 16)
+        corners = [i + i // 4 for i in range(16)]
+        mesh.GetFaceVertexIndicesAttr().Set([at + step for at in corners for step in (0, 1, 6, 5)])
+        mesh.GetPrim().CreateAttribute("tailor:lod:levels", Sdf.ValueTypeNames.Int).Set(levels)
+    stage.GetRootLayer().Save()
+    done = run(usdtailor, "build", tmp_path / "two.usda", "--all", "-o", tmp_path / "out.usda")
+    assert done.returncode != 0 and "the same lod.levels" in done.stderr, done.stderr
+    done = run(usdtailor, "build", tmp_path / "two.usda", "--all", "--lods", "2", "-o", tmp_path / "out.usda")
+    assert done.returncode == 0, done.stderr
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    for level in range(2):
+        stage.GetPrimAtPath("/Suit").GetVariantSet("LOD").SetVariantSelection(f"LOD{level}")
+        assert all(stage.GetPrimAtPath(f"/Suit/{name}_render_LOD{level}").IsDefined() for name in ("shirt", "skirt"))
 
 
 def test_info_tells_the_sizes_of_levels(usdtailor, built):

@@ -46,8 +46,8 @@ SEAM = {
 }
 LOD = {"tailor:lod:levels": ("int", 1), "tailor:lod:ratio": ("float", 2.0)}
 FIT = {
-    "tailor:fit:from": ("token", ""),
-    "tailor:fit:to": ("token", ""),
+    "tailor:fit:from": ("asset", Sdf.AssetPath("")),
+    "tailor:fit:to": ("asset", Sdf.AssetPath("")),
     "tailor:fit:rest": ("token", "graded"),
 }
 FOLD = {

@@ -35,6 +35,16 @@ pub struct Request {
     pub sew_tolerance: Option<f64>,
 }
 
+/// An option as `key=value`; one with the file of a body has another path to it.
+fn anchored(set: &str, path: impl Fn(&Path) -> Result<String, Error>) -> Result<String, Error> {
+    match set.split_once('=') {
+        Some((key, body)) if ["fit.from", "fit.to"].contains(&key.trim()) && !body.trim().is_empty() => {
+            Ok(format!("{key}={}", path(Path::new(body.trim()))?))
+        }
+        _ => Ok(set.to_owned()),
+    }
+}
+
 fn is_default(lods: &Lods) -> bool {
     *lods == Lods::default()
 }
@@ -52,7 +62,7 @@ impl Request {
             recipe: inputs.recipe.as_deref().map(path).transpose()?,
             prim: inputs.prim.clone(),
             time: inputs.time,
-            set: inputs.input(&task.input).overrides,
+            set: inputs.input(&task.input).overrides.iter().map(|set| anchored(set, path)).collect::<Result<_, _>>()?,
             flatten: build.flatten,
             names: [build.sim_name.clone(), build.render_name.clone()],
             keep_model_purpose: build.keep_model_purpose,
@@ -67,6 +77,14 @@ impl Request {
             exclude: inputs.several.exclude.clone(),
             sew_tolerance: inputs.several.sew_tolerance,
         })
+    }
+
+    /// The options as `key=value`, for a command that runs anywhere; `output` has the request.
+    pub fn overrides(&self, output: &Path) -> Result<Vec<String>, Error> {
+        let path = |file: &Path| {
+            BuildRecord::file_of(&file.to_string_lossy(), output).map(|file| file.to_string_lossy().into_owned())
+        };
+        self.set.iter().map(|set| anchored(set, path)).collect()
     }
 
     /// As text, equal for equal requests.

@@ -37,7 +37,7 @@ impl RecordedBuild {
         read.sew_tolerance = read.sew_tolerance.or(request.sew_tolerance);
         input.base = there(&request.input).filter(|source| !is_usd(source));
         input.recipe = input.recipe.take().or_else(|| request.recipe.as_ref().and_then(there));
-        input.overrides = request.set.iter().cloned().chain(input.overrides).collect();
+        input.overrides = request.overrides(file).ok()?.into_iter().chain(input.overrides).collect();
         Some(Self { input, request, record })
     }
 

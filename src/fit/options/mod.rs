@@ -26,10 +26,10 @@ impl OptionValue for PanelRest {
 options! {
     /// The body that this garment was made for, and the one that it fits. Relative paths are those beside the file that has them.
     "fit" => BodyOptions {
-        /// File of the body that the garment was made for; empty fits it to no body
+        /// File of the body that the garment was made for
         "from" from: String = String::new(), Domain::File, "path of a file";
 
-        /// File of the body that it is to fit, which corresponds to the first by faces or by UVs
+        /// File of the body that it is to fit, which corresponds to the first by faces or by UVs; empty fits it to none
         "to" to: String = String::new(), Domain::File, "path of a file";
 
         /// Sets of this mesh whose connected parts move as wholes, such as buttons

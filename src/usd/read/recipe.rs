@@ -2,11 +2,14 @@
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, subset_prims, value};
 use crate::error::{Error, ErrorCode};
+use crate::files::folder_of;
+use crate::usd::assets::file_path;
 use crate::usd::names;
 use crate::usd::values::{decimal, text};
-use openusd::sdf::{self, Value};
+use openusd::sdf::{self, FieldKey, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
+use std::path::Path as FilePath;
 
 /// Parts of the name of an option. Nested options are handled level by level.
 const MOST_PARTS: usize = 100;
@@ -52,6 +55,7 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
             _ if names::is_trim_prims(&name) => trim_prims(prim, &name, time)?,
+            _ if names::is_body(&name) => body_file(prim, &name, time)?,
             Some(sdf::SpecType::Relationship) => targets(prim, mesh, &name)?,
             _ => option_value(prim, &name, time)?,
         };
@@ -77,6 +81,34 @@ pub fn trim_prims(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Opt
         return Ok(Some(paths.iter().map(|path| Json::String(path.to_string())).collect()));
     }
     option_value(prim, name, time)
+}
+
+/// The file of a body: relative paths are those beside the layer that has them.
+fn body_file(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Json>, Error> {
+    let named = match value(prim, name, time)? {
+        Some(Value::AssetPath(asset)) => asset.into_string(),
+        Some(other) => match text(&other) {
+            Some(text) => text.to_owned(),
+            None => return option_value(prim, name, time),
+        },
+        None => return Ok(None),
+    };
+    if named.is_empty() {
+        return Ok(Some(Json::String(named)));
+    }
+    for site in prim.prim_stack().or_unreadable(prim.path())? {
+        let (Some(layer), Ok(path)) = (prim.stage().layer(&site.layer), site.path.append_property(name)) else {
+            continue;
+        };
+        let has_value = [FieldKey::Default, FieldKey::TimeSamples]
+            .iter()
+            .any(|key| layer.data().try_field(&path, key.as_str()).is_ok_and(|field| field.is_some()));
+        if let Some(file) = layer.resolved_path().filter(|_| has_value) {
+            let folder = folder_of(FilePath::new(&file_path(file))).to_path_buf();
+            return Ok(Some(Json::String(folder.join(&named).to_string_lossy().into_owned())));
+        }
+    }
+    Ok(Some(Json::String(named)))
 }
 
 /// The value of an attribute that is an option.

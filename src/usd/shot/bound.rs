@@ -7,7 +7,7 @@ use super::space::Space;
 use crate::drive::{BindFrames, BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
-use crate::usd::read::{OrUnreadable, StageOrigin, is_a, layer_files, points_name, prim_at, stage_metadata, value};
+use crate::usd::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, value};
 use crate::usd::write::{extent, pose_points};
 use glam::{Quat, Vec3};
 use openusd::gf::{Quath, f16};
@@ -112,8 +112,7 @@ impl Bound {
     /// # Errors
     /// A stage that cannot be read; no bound mesh, or several.
     pub fn read(options: &DriveOptions) -> Result<Self, Error> {
-        let stage = StageOrigin::new(&options.render, None, &[]).open()?;
-        let chosen = Chosen::new(&stage, options)?;
+        let (stage, chosen) = Chosen::open(options)?;
         let sim = prim_at(&stage, &chosen.sim)?;
         let sim_points = points_at_bind(&sim)?;
         let triangles = triangles(&sim)?;

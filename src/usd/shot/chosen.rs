@@ -30,6 +30,30 @@ pub struct Chosen {
 }
 
 impl Chosen {
+    /// The stage with the meshes that the options choose. A mesh of a level of detail that is not selected is chosen by its path.
+    ///
+    /// # Errors
+    /// As [`Chosen::new`].
+    pub fn open(options: &DriveOptions) -> Result<(Stage, Self), Error> {
+        let stage = StageOrigin::new(&options.render, None, &[]).open()?;
+        let error = match Self::new(&stage, options) {
+            Ok(chosen) => return Ok((stage, chosen)),
+            Err(error) => error,
+        };
+        let wanted = options.prim.as_ref().and_then(|wanted| Path::new(wanted).ok()?.parent());
+        let choices = match wanted.filter(|parent| *parent != Path::abs_root()) {
+            Some(parent) => choices_of(&prim_at(&stage, &parent)?, names::LOD).unwrap_or_default(),
+            None => Vec::new(),
+        };
+        for choice in choices {
+            let stage = StageOrigin::new(&options.render, None, &[choice]).open()?;
+            if let Ok(chosen) = Self::new(&stage, options) {
+                return Ok((stage, chosen));
+            }
+        }
+        Err(error)
+    }
+
     /// The meshes of a stage that the options choose.
     ///
     /// # Errors

@@ -169,7 +169,7 @@ fn compose(
     for garment in garments {
         let GarmentProducts { source, products, .. } = garment;
         check_names(&source.model, products)?;
-        check_levels(garment, options.lod_schema)?;
+        check_levels(garment, garments, options.lod_schema)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         replaced.extend(paths.map_err(|e| fault(e.into()))?);
     }
@@ -238,9 +238,11 @@ fn author(
 ) -> Result<(Authored, Warnings), Error> {
     let (sets, mut levels) = (options.sets, Vec::new());
     let (trims, mut warnings) = TrimBindings::read(garments)?;
-    for GarmentProducts { source, products, .. } in garments {
+    for garment in garments {
+        let GarmentProducts { source, products, .. } = garment;
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         if let Some(FittedPoints { points, time }) = source.fitted.as_deref() {
+            refuse_variant(garment)?;
             let stage = source.model.origin.open()?;
             warnings.extend(FittedGarment { source, points, time: *time }.author(&stage, &mut author)?);
         }
@@ -265,6 +267,15 @@ fn author(
     let paths = paths.into_iter().flatten().flatten().collect();
     [&*data].into_iter().chain(levels.iter().map(|(_, part)| part)).try_for_each(|data| check_finite(data, &paths))?;
     Ok((Authored { trims: bound, levels }, warnings))
+}
+
+/// Refuses new points of a garment in a variant, as those of the stage are stronger.
+fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
+    let Some(Selection { set, choice, .. }) = garment.variant else { return Ok(()) };
+    let model = &garment.source.model.path;
+    let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
+    let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
+    Err(Error::usd(text).code(ErrorCode::OutputPath).remedy(remedy))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.

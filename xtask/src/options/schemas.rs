@@ -84,6 +84,7 @@ fn property(group: &Group, Row { key, unit, meaning, default, domain }: &Row) ->
     let name = if group.has_instances { key.clone() } else { format!("tailor:{}:{key}", group.name) };
     let declaration = match (domain.r#type.as_str(), default) {
         ("sets" | "prims", _) => format!("rel {name}"),
+        ("file", _) => format!("uniform asset {name} = @@"),
         (_, Value::Bool(_)) => format!("uniform bool {name} = {default}"),
         (_, Value::Number(n)) if n.is_f64() => format!("uniform float {name} = {}", n.as_f64().unwrap_or_default()),
         (_, Value::Number(_)) => format!("uniform int {name} = {default}"),

@@ -3,6 +3,7 @@
 use super::resolver::{ARGUMENTS, Files, package_file};
 use crate::error::Error;
 use crate::usd::assets::{Identity, as_named, frames, normalized, tiles};
+use crate::usd::names;
 use crate::usd::on_large_stack;
 use crate::usd::values::text;
 use openusd::ar::{ResolvedPath, Resolver};
@@ -60,6 +61,11 @@ fn holds_files(data: &dyn AbstractData, path: &sdf::Path) -> bool {
     }
 }
 
+/// The file of a body that is named by a text.
+fn body(data: &dyn AbstractData, path: &sdf::Path, field: &str) -> Option<String> {
+    text(data.try_field(path, field).ok()??.as_ref()).map(str::to_owned)
+}
+
 /// The files that were found so far.
 struct LayerDependencies {
     files: Files,
@@ -80,8 +86,14 @@ impl LayerDependencies {
         let data = layer.data();
         for path in data.spec_paths() {
             let holds_files = holds_files(data, &path);
+            let is_body = path.as_str().rsplit_once('.').is_some_and(|(_, name)| names::is_body(name));
             for field in data.list_fields(&path).unwrap_or_default() {
-                if !holds_files && VALUES.contains(&field.as_str()) {
+                let is_value = VALUES.contains(&field.as_str());
+                if !holds_files && !is_body && is_value {
+                    continue;
+                }
+                if let Some(body) = body(data, &path, &field).filter(|_| is_body && is_value) {
+                    self.name(&body, Some(&anchor));
                     continue;
                 }
                 if let Ok(Some(value)) = data.try_field(&path, &field) {

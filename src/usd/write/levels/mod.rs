@@ -19,7 +19,7 @@ use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::garment::Mesh;
 use crate::usd::names;
-use crate::usd::read::{LodSchema, Model, OrUnreadable, Selection, level_name, select};
+use crate::usd::read::{LodSchema, Model, OrUnreadable, Selection, Sibling, level_name, select};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData as _, Path, PrimSpec, SpecType, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
@@ -47,12 +47,25 @@ pub fn level_variants(model: &Model, products: &[Product], schema: LodSchema) ->
 ///
 /// # Errors
 /// Such a model.
-pub fn check_levels(garment: &GarmentProducts, schema: LodSchema) -> Result<(), Error> {
+pub fn check_levels(garment: &GarmentProducts, all: &[GarmentProducts], schema: LodSchema) -> Result<(), Error> {
     let (model, products) = (&garment.source.model, garment.products);
-    if level_count(products) == 1 {
+    let count = level_count(products);
+    let refused = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::NameTaken).remedy(remedy));
+    let is_level = |(name, sibling): (&String, &Sibling)| sibling.product && name.ends_with(&level_name(1));
+    if model.siblings.iter().any(is_level) {
+        let text = format!("{} has levels of detail of an earlier build, which would stay", model.path);
+        return refused(text, "name the garment that they were made from as the input");
+    }
+    let mut siblings = all.iter().filter(|other| other.source.model.parent == model.parent);
+    if let Some(other) = siblings.find(|other| level_count(other.products) != count) {
+        let (path, others) = (&other.source.model.path, level_count(other.products));
+        let text =
+            format!("{} has {count} levels of detail and {path} has {others}, with one variant for both", model.path);
+        return refused(text, "give both the same lod.levels");
+    }
+    if count == 1 {
         return Ok(());
     }
-    let refused = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::NameTaken).remedy(remedy));
     if schema == LodSchema::UsdLod {
         let sim = sims(products).next().map_or(ProductRole::Sim.name(), |sim| sim.name);
         let name = beside(HEURISTIC, sim);
