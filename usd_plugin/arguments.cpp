@@ -9,7 +9,6 @@
 #include <pxr/base/vt/value.h>
 #include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/pcp/dynamicFileFormatContext.h>
-#include <pxr/usd/sdf/assetPath.h>
 
 #include <cstdint>
 #include <optional>
@@ -88,6 +87,14 @@ std::string List(const std::string &printed)
     return list;
 }
 
+/// Converts `@path@`, OpenUSD's form of an asset path, to the path. Versions of OpenUSD keep its parts at other places.
+std::string AssetPath(const std::string &printed)
+{
+    const size_t start = printed.find_first_not_of('@');
+    const size_t end = printed.find_last_not_of('@');
+    return start == std::string::npos ? std::string() : printed.substr(start, end - start + 1);
+}
+
 /// True for an empty value and for a value block.
 bool IsNothing(const VtValue &value)
 {
@@ -107,8 +114,8 @@ std::optional<std::string> Text(const VtValue &value)
     } else if (
         AddNumber<float>(value, &text) || AddNumber<double>(value, &text) || AddNumber<int>(value, &text) ||
         AddNumber<unsigned int>(value, &text) || AddNumber<int64_t>(value, &text)) {
-    } else if (value.IsHolding<SdfAssetPath>()) {
-        text = value.UncheckedGet<SdfAssetPath>().GetAssetPath();
+    } else if (value.GetTypeName() == "SdfAssetPath") {
+        text = AssetPath(TfStringify(value));
     } else if (IsText(value.GetTypeid())) {
         text = TfStringify(value);
     } else if (IsText(value.GetElementTypeid())) {

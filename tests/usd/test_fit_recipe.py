@@ -231,7 +231,8 @@ def test_bad_bodies_are_named(settings, words, usdtailor, scene):
 
 
 @needs_plugin
-def test_a_payload_follows_its_body(usdtailor, scene):
+@pytest.mark.parametrize("kind", [Sdf.ValueTypeNames.Token, Sdf.ValueTypeNames.Asset], ids=str)
+def test_a_payload_follows_its_body(kind, usdtailor, scene):
     coat = recipe(scene / "coat.tailor", "coat.usda", fit={"from": "thin.usda", "to": "thick.usda"})
     stage = Usd.Stage.CreateNew(str(scene / "shot.usda"))
     prim = holder(stage, coat)
@@ -240,7 +241,7 @@ def test_a_payload_follows_its_body(usdtailor, scene):
     built = points(Usd.Stage.Open(str(scene / "built.usda")), "/Coat/sim")
     assert radii(points(stage, f"{path}/model")).mean() > 4.0
     assert radii(points(stage, f"{path}/sim")).mean() == pytest.approx(radii(built).mean(), rel=0.01)
-    attribute = prim.CreateAttribute("tailor:fit:to", Sdf.ValueTypeNames.Token, custom=False)
+    attribute = prim.CreateAttribute("tailor:fit:to", kind, custom=False)
     attribute.Set("thin.usda")
     for name in ("model", "sim", "render"):
         assert radii(points(stage, f"{path}/{name}")).mean() < 3.1, name
