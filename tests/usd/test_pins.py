@@ -30,7 +30,8 @@ def points_of(mesh, name):
 def marked(tmp_path, source, of):
     """A garment with the points of a set as the point set `held`, the painted weight `weight`, and as a varying primvar, by which
     USD's rules give the share of these points at each point of the render mesh."""
-    stage = Usd.Stage.Open(str(source))
+    # Other tests of this process have the layer of the file.
+    stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(source)))
     mesh = next(UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
     points = points_of(mesh, of)
     UsdGeom.Subset.CreateGeomSubset(mesh, "held", "point", points.tolist(), "held")
