@@ -27,6 +27,7 @@ fn expected(option: &Value) -> (&'static str, String) {
     let value = &option["default"];
     match value {
         _ if option["domain"]["type"] == "sets" || option["domain"]["type"] == "prims" => ("rel", String::new()),
+        _ if option["domain"]["type"] == "file" => ("asset", "@@".to_owned()),
         Value::Bool(b) => ("bool", u8::from(*b).to_string()),
         Value::Number(n) if n.is_f64() => ("float", format!("{}", n.as_f64().unwrap_or_default())),
         Value::Number(n) => ("int", n.to_string()),
