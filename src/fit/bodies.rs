@@ -3,7 +3,7 @@
 use super::triangle::{TriangleSearch, at};
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::garment::{Meaning, Mesh, Orientation, Primvar, PrimvarRole, Values};
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// How far outside of all faces a UV may be. \[UV units\]
@@ -29,7 +29,8 @@ pub struct Bodies {
 
 impl Bodies {
     /// The points of the body after a share of the way. \[mesh units\]
-    pub(crate) fn shape_at(&self, share: f64) -> Vec<Vec3> {
+    #[cfg(feature = "usd")]
+    pub(crate) fn shape_at(&self, share: f64) -> Vec<glam::Vec3> {
         self.shape(share).iter().map(|p| p.as_vec3()).collect()
     }
 
