@@ -56,7 +56,10 @@ pub fn check_levels(garment: &GarmentProducts, all: &[GarmentProducts], schema: 
         let text = format!("{} has levels of detail of an earlier build, which would stay", model.path);
         return refused(text, "name the garment that they were made from as the input");
     }
-    let mut siblings = all.iter().filter(|other| other.source.model.parent == model.parent);
+    let is_beside = |other: &&GarmentProducts| {
+        other.source.model.parent == model.parent && other.variant == garment.variant && schema == LodSchema::Variants
+    };
+    let mut siblings = all.iter().filter(is_beside);
     if let Some(other) = siblings.find(|other| level_count(other.products) != count) {
         let (path, others) = (&other.source.model.path, level_count(other.products));
         let text =
