@@ -1,6 +1,7 @@
 // The place of the garment on the way of the fit: asks for one after the last one has come.
 
 import type { FitMessage } from "../server/protocol";
+import type { Marked } from "../view/api";
 import type { Store } from "./store";
 
 export class Way {
@@ -37,6 +38,6 @@ export class Way {
   }
 }
 
-function marksOf({ crossings }: FitMessage): { role: "model"; elements: { faces: number[] } } | null {
-  return crossings.length > 0 ? { role: "model", elements: { faces: crossings } } : null;
+function marksOf({ crossings }: FitMessage): Marked | null {
+  return crossings.length > 0 ? { role: "model", elements: { faces: crossings }, isCrossing: true } : null;
 }

@@ -49,6 +49,8 @@ export type PickedSet = Pick<SetInfo, "name" | "kind">;
 export interface Marked {
   role: Role;
   elements: Elements;
+  /** Whether they cross a body. */
+  isCrossing?: boolean;
 }
 
 /** What may be shown alone: the panel of a face of a mesh, faces of the model, panels that touch other elements, a face set. */

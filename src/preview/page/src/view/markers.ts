@@ -7,6 +7,7 @@ import { placeGlow, placeMarks } from "./mesh/shapes";
 import type { Elements } from "./mesh/shapes";
 import type { Marks } from "./mesh/marks";
 import { Carrying, drawnOf } from "./mesh/sources";
+import { CROSSING, MARK } from "./shade/colours";
 import type { Stage } from "./stage";
 
 /** Elements on one mesh. */
@@ -39,6 +40,7 @@ export class Markers {
     const markers = stage.markersOf(flat);
     const marked = this.onMarked;
     if (marked) markers.marked = marked.role;
+    markers.marks.setColour(this.marked?.isCrossing ? CROSSING : MARK);
     placeMarks(markers.marks, marked?.cloth, marked?.elements ?? null, flat);
     for (const [role, marks] of Object.entries(markers.selections) as [Role, Marks][]) {
       const found = this.selected && roles.includes(role) ? this.#on(role, this.selected, this.#selections) : null;

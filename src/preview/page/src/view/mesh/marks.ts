@@ -136,6 +136,10 @@ export class Marks {
     };
   }
 
+  setColour(colour: Rgb): void {
+    (this.#uniforms.uColour.value as Vector3).set(...colour);
+  }
+
   /** Sizes of the view. [device pixels] */
   setView(width: number, height: number, ratio: number): void {
     (this.#uniforms.uView.value as Vector2).set(width, height);

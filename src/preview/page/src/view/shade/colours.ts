@@ -5,9 +5,10 @@ import type { PickedSet } from "../api";
 export type Rgb = readonly [number, number, number];
 export type Theme = "light" | "dark";
 
-/** Of highlighted sets, of marks, of the selection. [sRGB] */
+/** Of highlighted sets, of marks, of faces that cross a body, of the selection. [sRGB] */
 export const ACCENT: Rgb = [0.13, 0.75, 1];
 export const MARK: Rgb = [1, 0.55, 0.1];
+export const CROSSING: Rgb = [0.95, 0.1, 0.12];
 export const SELECTED: Rgb = [1, 0.85, 0.1];
 
 /** What the shaders take of a theme. [sRGB] */
