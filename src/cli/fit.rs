@@ -7,11 +7,8 @@ use super::process::folders::MadeFolders;
 use super::text::{print_error, print_warnings};
 use super::{Inputs, Output, report, usage};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::fit::{Bodies, FitFigures, FitOptions, fit};
-use crate::garment::Elements;
-use crate::pipeline::Builder;
-use crate::recipe::Recipe;
-use crate::session::{OpenGarment, trims_stay};
+use crate::fit::{Bodies, FitFigures, fit};
+use crate::session::{OpenGarment, fit_options, trims_stay};
 use crate::usd::{
     BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
     write_bodies, write_fitted,
@@ -350,11 +347,8 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
         return Err(fault.code(ErrorCode::OptionValue).remedy("take fit.from and fit.to out of it, or build it"));
     }
     let bodies = bodies(command, &source, files)?;
-    let sets = |flag: &str, names: &[String]| {
-        names.iter().map(|name| set(&builder, &recipe, flag, name)).collect::<Result<Vec<_>, Error>>()
-    };
-    let options =
-        FitOptions { rigid: sets("rigid", &command.rigid)?, keep_length: sets("keep-length", &command.keep_length)? };
+    let (rigid, keep_length) = (("--rigid", &command.rigid[..]), ("--keep-length", &command.keep_length[..]));
+    let options = fit_options(&builder, &recipe, rigid, keep_length)?;
     let fitted = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
     warnings.extend(trims_stay(&source, &recipe));
@@ -369,15 +363,4 @@ fn bodies(command: &Fit, garment: &Source, files: &[Source; 2]) -> Result<Bodies
     let [of_from, of_to] = files.each_ref().map(|body| stage_to_garment(garment, body));
     let placed = |[a, b]: [DVec3; 2]| [of_from.transform_point3(a), of_to.transform_point3(b)];
     Bodies::by_pairs(&from, &to, &pairs::read(file)?.into_iter().map(placed).collect::<Vec<_>>())
-}
-
-/// A set by its name or expression.
-fn set(builder: &Builder, recipe: &Recipe, flag: &str, expression: &str) -> Result<Elements, Error> {
-    let place = format!("--{flag} {expression}");
-    let elements = builder.derived_set(recipe, &place, expression)?.elements;
-    if elements.is_empty() {
-        let fault = Error::recipe(place, "the set has no elements").code(ErrorCode::SetExpression);
-        return Err(fault.remedy("`usdtailor sets` lists the sets of the garment"));
-    }
-    Ok(elements)
 }

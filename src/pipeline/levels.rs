@@ -6,7 +6,6 @@ use super::sim::SimResult;
 use super::{Builder, Products};
 use crate::binding::Binding;
 use crate::error::{Error, Warnings};
-use crate::recipe::Recipe;
 use crate::step::Same;
 use std::sync::Arc;
 
@@ -29,22 +28,26 @@ impl Builder {
             return Ok(());
         }
         let sims: Vec<_> = products.all_levels().map(|level| Arc::clone(&level.simulated)).collect();
-        products.level_bindings = self.bind_to(&sims, &recipe)?;
+        products.level_bindings = self.bind_to(&sims, products)?;
         for (builder, level) in self.levels.iter_mut().zip(&mut products.levels) {
-            level.level_bindings = builder.bind_to(&sims, &level.recipe)?;
+            level.level_bindings = builder.bind_to(&sims, level)?;
         }
         Ok(())
     }
 
-    /// The places of the points of the last render mesh on some simulation meshes of the same garment.
-    fn bind_to(&mut self, sims: &[Arc<SimResult>], recipe: &Recipe) -> Result<Vec<Arc<Binding>>, Error> {
-        let render = self.render(recipe)?.mesh;
-        let stack = self.stack(recipe)?;
+    /// The places of the points of the last render mesh, that of `own`, on some simulation meshes of the same garment.
+    fn bind_to(&mut self, sims: &[Arc<SimResult>], own: &Products) -> Result<Vec<Arc<Binding>>, Error> {
+        let render = self.render(&own.recipe)?.mesh;
+        let stack = self.stack(&own.recipe)?;
         let mut clock = Clock::new(&self.progress);
         let Self { render: steps, cloth, .. } = self;
         cloth.level_bindings.resize_with(sims.len(), Default::default);
         let mut bindings = Vec::with_capacity(sims.len());
         for (step, sim) in cloth.level_bindings.iter_mut().zip(sims) {
+            if Arc::ptr_eq(sim, &own.simulated) {
+                bindings.push(Arc::clone(&own.binding));
+                continue;
+            }
             let binding = step.get((Same::from(sim), Same::from(&render)), |_| {
                 clock.run("binding", || {
                     let origins = steps.origins(&stack)?;

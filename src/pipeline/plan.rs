@@ -1,4 +1,4 @@
-//! What a build would make, and the memory that it would take.
+//! Plans of builds: the sizes of their products, and their memory.
 
 use super::{Builder, MemoryEstimate, Plan, sim};
 use crate::error::Error;

@@ -10,7 +10,7 @@ use crate::cloth::{FABRICS, Fabric};
 use crate::error::{Code, Error, Warning, counted};
 use crate::fit::faces_through;
 use crate::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
-use crate::mesh::IdVec;
+use crate::mesh::FaceId;
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{FitWay, Input, OpenGarment, is_usd};
@@ -18,6 +18,7 @@ use crate::sets::checksum;
 use crate::usd::{ReadOptions, Source, body_of, decimal};
 use glam::Vec3;
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -39,8 +40,8 @@ pub struct Stage {
     pub given: Options,
     /// The body under it.
     pub body: Option<Body>,
-    /// Its way to that body, where the recipe fits it.
-    way: Option<FitWay>,
+    /// Its way to that body, where the recipe fits it, and the faces that cross the body at the start.
+    way: Option<(FitWay, BTreeSet<FaceId>)>,
     /// Images of its materials.
     pub images: Images,
     /// The message that describes the garment.
@@ -69,6 +70,12 @@ impl Stage {
             warnings.extend(through_body(&checks, &body.mesh)?);
         }
         checks = checks.with_warnings(warnings);
+        let with_start = |way: FitWay| {
+            let (points, body) = way.at(0.0);
+            let before = crossing_at(checks.garment(), &points, &body);
+            (way, before)
+        };
+        let way = way.map(with_start);
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
         let shown = with_listed_sets(&checks);
@@ -85,17 +92,12 @@ impl Stage {
     /// The points of the garment and of the body after a share of the way, with the message about them; none without a way.
     pub fn on_way(&self, share: f64) -> Option<(FitMessage, [Vec<Vec3>; 2])> {
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 };
-        let way = self.way.as_ref()?;
-        let at = |share: f64| {
-            let (points, body) = way.at(share);
-            let garment = Mesh { points: points.into_iter().collect(), ..Mesh::clone(&self.shown) };
-            let crossing = faces_through(&garment, &body).unwrap_or_default();
-            (crossing, [garment.points, body.points].map(IdVec::into_vec))
-        };
-        let (before, (crossing, points)) = (at(0.0).0, at(share));
-        let new = crossing.iter().filter(|face| !before.contains(face)).count();
+        let (way, before) = self.way.as_ref()?;
+        let (points, body) = way.at(share);
+        let crossing = crossing_at(self.checks.garment(), &points, &body);
+        let new = crossing.difference(before).count();
         let crossings = crossing.iter().map(|face| face.index()).collect();
-        Some((FitMessage { share, crossings, new }, points))
+        Some((FitMessage { share, crossings, new }, [points, body.points.into_vec()]))
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -145,6 +147,13 @@ fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Erro
         None => Arc::new(mesh),
     };
     Ok(Some(Body { mesh, files: body.facts().layers.iter().map(PathBuf::from).collect() }))
+}
+
+/// The faces of a garment with other points that cross a body.
+fn crossing_at(garment: &Mesh, points: &[Vec3], body: &Mesh) -> BTreeSet<FaceId> {
+    let moved = Mesh { points: points.iter().copied().collect(), ..garment.clone() };
+    // A body that has faces corresponds to itself.
+    faces_through(&moved, body).unwrap_or_default().into_iter().collect()
 }
 
 /// The warning of faces that cross the body.

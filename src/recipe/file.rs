@@ -1,7 +1,7 @@
 //! Reads `.tailor` files: recipes as JSON.
 
 use super::groups::Form;
-use super::in_words;
+use super::{in_words, is_file};
 use crate::error::{Error, ErrorCode, plain};
 use crate::files;
 use serde::Deserialize;
@@ -49,7 +49,7 @@ impl RecipeFile {
         // The typed pass reports wrong keys and values with line and column; the second pass keeps only the keys given.
         serde_json::from_str::<Form>(text).map_err(fault)?;
         let mut file: Self = serde_json::from_str(text).map_err(fault)?;
-        anchor_bodies(&mut file.options, path);
+        anchor_files(&mut file.options, path);
         Ok(file)
     }
 
@@ -76,12 +76,16 @@ impl RecipeFile {
     }
 }
 
-/// Takes relative paths of bodies in some options for those beside `file`, which has the options.
-fn anchor_bodies(options: &mut Map<String, Value>, file: &Path) {
-    let Some(Value::Object(fit)) = options.get_mut("fit") else { return };
-    for key in ["from", "to"] {
-        if let Some(Value::String(body)) = fit.get_mut(key).filter(|body| **body != Value::String(String::new())) {
-            *body = file.parent().unwrap_or(Path::new("")).join(&*body).to_string_lossy().into_owned();
+/// Takes relative paths in some options for those beside `file`, which has the options.
+fn anchor_files(options: &mut Map<String, Value>, file: &Path) {
+    for (group, fields) in options {
+        for (key, value) in fields.as_object_mut().into_iter().flatten() {
+            if let Value::String(path) = value
+                && is_file(&format!("{group}.{key}"))
+                && !path.is_empty()
+            {
+                *path = file.parent().unwrap_or(Path::new("")).join(&*path).to_string_lossy().into_owned();
+            }
         }
     }
 }

@@ -46,6 +46,11 @@ pub(crate) fn default_of(key: &str) -> Option<Value> {
     (group.defaults)().get(key.key).cloned()
 }
 
+/// Whether an option is the path of a file.
+pub(crate) fn is_file(key: &str) -> bool {
+    find(key).is_some_and(|(_, key)| key.domain == Domain::File)
+}
+
 fn all_keys() -> Vec<String> {
     all().flat_map(|group| group.keys.iter().map(|key| pattern(group, key))).collect()
 }

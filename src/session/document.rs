@@ -2,7 +2,7 @@
 
 use super::input::beside;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
-use crate::recipe::{Layers, RecipeFile};
+use crate::recipe::{Layers, RecipeFile, is_file};
 use crate::usd::{ReadOptions, Source};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
@@ -56,8 +56,8 @@ impl PayloadRecipe {
             }
             _ if FOREIGN_ARGUMENTS.contains(&key) => {}
             _ => {
-                let is_body = ["fit.from", "fit.to"].contains(&key) && !text.is_empty();
-                let beside = is_body.then(|| beside(&self.path, text).to_string_lossy().into_owned());
+                let is_file = is_file(key) && !text.is_empty();
+                let beside = is_file.then(|| beside(&self.path, text).to_string_lossy().into_owned());
                 let added = self.arguments.add_text("argument", key, beside.as_deref().unwrap_or(text));
                 self.ignored.extend(added.err().map(|error| ignored(&error)));
             }

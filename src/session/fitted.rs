@@ -2,7 +2,7 @@
 
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::fit::{Bodies, BodyOptions, FitOptions, FitStep, Fitted, fit};
-use crate::garment::{FIT_FROM, Garment, Interpolation, Mesh, PrimvarInput, Values};
+use crate::garment::{Elements, FIT_FROM, Garment, Interpolation, Mesh, PrimvarInput, Values};
 use crate::pipeline::Builder;
 use crate::recipe::Recipe;
 use crate::usd::{ReadOptions, Source, body_of};
@@ -88,17 +88,34 @@ pub fn trims_stay(source: &Source, recipe: &Recipe) -> Option<Warning> {
     (!trims.is_empty()).then(|| warning.remedy(remedy))
 }
 
+/// The options of a fit, by the names or expressions of its sets and the options that give them; `recipe` is a resolved one.
+///
+/// # Errors
+/// Sets that the garment lacks, or that have no elements.
+pub fn fit_options(
+    builder: &Builder,
+    recipe: &Recipe,
+    rigid: (&str, &[String]),
+    keep_length: (&str, &[String]),
+) -> Result<FitOptions, Error> {
+    let set = |place: &str, expression: &String| {
+        let elements = builder.derived_set(recipe, place, expression)?.elements;
+        if !elements.is_empty() {
+            return Ok(elements);
+        }
+        let fault = Error::recipe(place, format!("the set {expression} has no elements"));
+        Err(fault.code(ErrorCode::SetExpression).remedy("`usdtailor sets` lists the sets of the garment"))
+    };
+    let sets = |(place, names): (&str, &[String])| names.iter().map(|name| set(place, name)).collect();
+    let (rigid, keep_length): (Result<Vec<Elements>, Error>, _) = (sets(rigid), sets(keep_length));
+    Ok(FitOptions { rigid: rigid?, keep_length: keep_length? })
+}
+
 fn fitted(mesh: &Garment, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Error> {
     let builder = Builder::new(mesh.clone())?;
     let recipe = builder.resolve(recipe)?;
-    let sets = |key: &str, names: &[String]| {
-        let all = names.iter().map(|name| Ok(builder.derived_set(&recipe, key, name)?.elements));
-        all.collect::<Result<Vec<_>, Error>>()
-    };
-    let options = FitOptions {
-        rigid: sets("fit.rigid", &recipe.fit.rigid)?,
-        keep_length: sets("fit.keepLength", &recipe.fit.keep_length)?,
-    };
+    let BodyOptions { rigid, keep_length, .. } = &recipe.fit;
+    let options = fit_options(&builder, &recipe, ("fit.rigid", rigid), ("fit.keepLength", keep_length))?;
     let fitted = fit(builder.garment(), bodies, &options)?;
     Ok(Fitted { warnings: builder.warnings_in_file(fitted.warnings), ..fitted })
 }

@@ -7,7 +7,7 @@ mod fitted;
 mod input;
 
 pub use document::PayloadRecipe;
-pub(crate) use fitted::{FitWay, trims_stay};
+pub(crate) use fitted::{FitWay, fit_options, trims_stay};
 pub use input::{Input, OpenGarment, beside, is_usd};
 
 use crate::error::{Error, ErrorKind, Warnings};

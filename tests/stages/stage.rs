@@ -137,24 +137,20 @@ pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec
     Ok(warnings.iter().map(ToString::to_string).collect())
 }
 
-pub const FORCE: WriteOptions = WriteOptions {
-    flatten: false,
-    force: true,
-    model_guide: true,
-    dry_run: false,
-    sets: SetChoice::All,
-    lod_schema: LodSchema::Variants,
-    record: None,
-};
-pub const FLATTEN: WriteOptions = WriteOptions {
-    flatten: true,
-    force: true,
-    model_guide: true,
-    dry_run: false,
-    sets: SetChoice::All,
-    lod_schema: LodSchema::Variants,
-    record: None,
-};
+pub const FORCE: WriteOptions = over_any_file(false);
+pub const FLATTEN: WriteOptions = over_any_file(true);
+
+const fn over_any_file(flatten: bool) -> WriteOptions {
+    WriteOptions {
+        flatten,
+        force: true,
+        model_guide: true,
+        dry_run: false,
+        sets: SetChoice::All,
+        lod_schema: LodSchema::Variants,
+        record: None,
+    }
+}
 
 #[track_caller]
 pub fn assert_fault<T>(result: Result<T, Error>, parts: &[&str]) {

@@ -120,12 +120,7 @@ def test_an_output_is_stale_when_its_body_changes(usdtailor, scene):
 @pytest.mark.parametrize("kind", [Sdf.ValueTypeNames.Token, Sdf.ValueTypeNames.Asset], ids=str)
 def test_a_body_of_another_variant_is_not_written_over(kind, usdtailor, scene):
     stage = Usd.Stage.Open(str(scene / "coat.usda"))
-    bodies = stage.GetPrimAtPath("/Coat").GetVariantSets().AddVariantSet("body")
-    for name in ("thin", "thick"):
-        bodies.AddVariant(name)
-        bodies.SetVariantSelection(name)
-        with bodies.GetVariantEditContext():
-            stage.OverridePrim("/Coat/model").CreateAttribute("tailor:fit:to", kind).Set(f"{name}.usda")
+    bodies = body_variants(stage, kind)
     stage.GetPrimAtPath("/Coat/model").CreateAttribute("tailor:fit:from", kind).Set("thin.usda")
     bodies.SetVariantSelection("thin")
     stage.Save()
@@ -150,6 +145,17 @@ def test_a_garment_is_not_fitted_twice(usdtailor, scene):
 def test_a_first_body_alone_fits_nothing(usdtailor, scene):
     build(usdtailor, scene / "coat.usda", scene / "out.usda", "--set", f"fit.from={scene}/thin.usda")
     assert radii(points(Usd.Stage.Open(str(scene / "out.usda")), "/Coat/model")).mean() < 3.1
+
+
+def body_variants(stage, kind):
+    """A variant set `body` in which each variant names its body."""
+    bodies = stage.GetPrimAtPath("/Coat").GetVariantSets().AddVariantSet("body")
+    for name in ("thin", "thick"):
+        bodies.AddVariant(name)
+        bodies.SetVariantSelection(name)
+        with bodies.GetVariantEditContext():
+            stage.OverridePrim("/Coat/model").CreateAttribute("tailor:fit:to", kind).Set(f"{name}.usda")
+    return bodies
 
 
 def attributes(scene, kind=Sdf.ValueTypeNames.Token, to="thick"):
@@ -178,7 +184,7 @@ def test_an_output_knows_its_bodies_from_any_folder(usdtailor, scene, monkeypatc
         (scene / folder).mkdir()
     build(usdtailor, "coat.usda", "a/out.usda", "--set", "fit.from=thin.usda", "--set", "fit.to=thick.usda")
     monkeypatch.chdir(scene / "b")
-    # Others of these names.
+    # Other bodies have these names here.
     shutil.copy(scene / "thick.usda", "thin.usda")
     shutil.copy(scene / "thin.usda", "thick.usda")
     done = run(usdtailor, "check", "../a/out.usda")
@@ -190,12 +196,7 @@ def test_an_output_knows_its_bodies_from_any_folder(usdtailor, scene, monkeypatc
 def test_new_points_in_a_variant_are_refused(usdtailor, scene):
     attributes(scene)
     stage = Usd.Stage.Open(str(scene / "coat.usda"))
-    bodies = stage.GetPrimAtPath("/Coat").GetVariantSets().AddVariantSet("body")
-    for name in ("thin", "thick"):
-        bodies.AddVariant(name)
-        bodies.SetVariantSelection(name)
-        with bodies.GetVariantEditContext():
-            stage.OverridePrim("/Coat/model").CreateAttribute("tailor:fit:to", Sdf.ValueTypeNames.Token).Set(f"{name}.usda")
+    body_variants(stage, Sdf.ValueTypeNames.Token)
     stage.GetPrimAtPath("/Coat/model").RemoveProperty("tailor:fit:to")
     stage.Save()
     done = run(usdtailor, "build", scene / "coat.usda", "-o", scene / "out.usda", "--variants", "body", *QUICK)
@@ -220,8 +221,9 @@ def test_trims_that_stay_are_named(usdtailor, scene):
         ({"from": "thin.usda", "to": "gone.usda"}, "fit.to: cannot read"),
         ({"from": "thin.usda", "to": "coat.usda"}, "other faces"),
         ({"from": "thin.usda", "to": "thick.usda", "rigid": "nope"}, "fit.rigid"),
+        ({"from": "thin.usda", "to": "thick.usda", "rigid": "borders - borders"}, "has no elements"),
     ],
-    ids=["no first", "gone", "other faces", "no set"],
+    ids=["no first", "gone", "other faces", "no set", "empty set"],
 )
 def test_bad_bodies_are_named(settings, words, usdtailor, scene):
     args = [f"fit.{key}={scene / value if value.endswith('usda') else value}" for key, value in settings.items()]

@@ -7,7 +7,7 @@ use crate::error::{counted, names};
 use crate::usd::ProductNames;
 use serde_json::{Value, json};
 
-/// What becomes of seams that are narrower than the faces of a level.
+/// The seams that are narrower than the faces of a level: those that are creases there, and those that it lacks.
 struct Thin<'a> {
     creases: Vec<&'a String>,
     left_out: Vec<&'a String>,
@@ -40,8 +40,8 @@ pub fn lines(built: &Built) -> String {
                 parts.push(format!("{what}: {}", names(&seams)));
             }
         }
-        if level.warnings.iter().next().is_some() {
-            let count = level.warnings.iter().count();
+        let count = level.warnings.iter().count();
+        if count > 0 {
             parts.push(format!("{} in the report", counted(count, "warning", "warnings")));
         }
         format!("  level   {}\n", parts.join("; "))

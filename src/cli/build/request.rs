@@ -3,6 +3,7 @@
 use super::super::{Build, Lods, Sets};
 use super::Task;
 use crate::error::Error;
+use crate::recipe::is_file;
 use crate::usd::BuildRecord;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -35,11 +36,11 @@ pub struct Request {
     pub sew_tolerance: Option<f64>,
 }
 
-/// An option as `key=value`; one with the file of a body has another path to it.
+/// An option as `key=value`; one that is the path of a file has another path to it.
 fn anchored(set: &str, path: impl Fn(&Path) -> Result<String, Error>) -> Result<String, Error> {
     match set.split_once('=') {
-        Some((key, body)) if ["fit.from", "fit.to"].contains(&key.trim()) && !body.trim().is_empty() => {
-            Ok(format!("{key}={}", path(Path::new(body.trim()))?))
+        Some((key, file)) if is_file(key.trim()) && !file.trim().is_empty() => {
+            Ok(format!("{key}={}", path(Path::new(file.trim()))?))
         }
         _ => Ok(set.to_owned()),
     }

@@ -27,6 +27,12 @@ pub struct Simulated {
 /// The stage that a thread last worked on, with its builder.
 pub type Known = Option<(Arc<Stage>, Builder)>;
 
+/// The resolved recipes of the first level of detail and of the one that is shown.
+struct LevelRecipes {
+    first: Recipe,
+    shown: Recipe,
+}
+
 impl Job {
     /// The recipe of the level that is shown, of the resolved recipe of the first one.
     fn of_level(&self, recipe: &Recipe, builder: &Builder) -> Recipe {
@@ -106,62 +112,50 @@ impl Hub {
     fn build(self: &Arc<Self>, role: Role, job: &Job, known: &mut Known) -> Result<(), Error> {
         let start = Instant::now();
         let builder = builder_for(known, &job.stage, || self.progress(role));
-        let recipe = builder.resolve(&job.recipe)?;
+        let first = builder.resolve(&job.recipe)?;
+        // A cache is one of the first level, and moves the render mesh of any.
+        let is_first = role == Role::Sim && self.lock().shot.is_some();
+        let shown = if is_first { first.clone() } else { job.of_level(&first, builder) };
+        let recipes = LevelRecipes { first, shown };
         match role {
-            // A cache is one of the first level, and moves the render mesh of any.
-            Role::Sim if self.lock().shot.is_some() => self.build_sim(job, builder, &recipe, &recipe, start),
-            Role::Sim => self.build_sim(job, builder, &recipe, &job.of_level(&recipe, builder), start),
-            _ => {
-                let shown = job.of_level(&recipe, builder);
-                self.build_render(job, builder, &recipe, &shown, start)
-            }
+            Role::Sim => self.build_sim(job, builder, &recipes, start),
+            _ => self.build_render(job, builder, recipes, start),
         }
     }
 
-    /// Builds the simulation mesh of the recipe `of_level`; `recipe` is that of the first level.
-    fn build_sim(
-        &self,
-        job: &Job,
-        builder: &mut Builder,
-        recipe: &Recipe,
-        of_level: &Recipe,
-        start: Instant,
-    ) -> Result<(), Error> {
-        let update = builder.update_sim(of_level)?;
+    fn build_sim(&self, job: &Job, builder: &mut Builder, recipes: &LevelRecipes, start: Instant) -> Result<(), Error> {
+        let update = builder.update_sim(&recipes.shown)?;
         let shown = self.show(Role::Sim, job, &update.mesh, || Arc::new(update.sources()), start);
         if shown.message.get().is_none() {
             let _ = shown.quality.set(Arc::new(update.triangle_quality()));
             let figures = Figures::from(&update.figures());
-            let _ = shown.message.set(product(job, figures, None, &update.warnings, &[], recipe));
+            let _ = shown.message.set(product(job, figures, None, &update.warnings, &[], &recipes.first));
         }
         let simulated = Simulated { job: job.clone(), update };
         self.change(|shared| shared.simulated = Some(simulated));
         Ok(())
     }
 
-    /// Builds the render mesh of the recipe `of_level`; `recipe` is that of the first level.
     fn build_render(
         &self,
         job: &Job,
         builder: &mut Builder,
-        recipe: &Recipe,
-        of_level: &Recipe,
+        LevelRecipes { first: mut recipe, shown }: LevelRecipes,
         start: Instant,
     ) -> Result<(), Error> {
-        let update = builder.update_render(of_level)?;
-        let shown = self.show(Role::Render, job, &update.mesh, || update.sources, start);
+        let update = builder.update_render(&shown)?;
+        let level = shown.render.level;
+        let drawn = self.show(Role::Render, job, &update.mesh, || update.sources, start);
         let plays = self.lock().shot.is_some();
-        let origins = plays.then(|| builder.render_origins(of_level)).transpose()?;
-        if shown.message.get().is_none() {
+        let origins = plays.then(|| builder.render_origins(&shown)).transpose()?;
+        if drawn.message.get().is_none() {
             let figures = Figures::from(&RenderFigures::new(&update.mesh));
-            let mut recipe = recipe.clone();
             recipe.render.seam_level = update.seam_level;
-            let message =
-                product(job, figures, Some(of_level.render.level), &update.warnings, &update.operators, &recipe);
-            let _ = shown.message.set(message);
+            let message = product(job, figures, Some(level), &update.warnings, &update.operators, &recipe);
+            let _ = drawn.message.set(message);
         }
         let Some(origins) = origins.map(Arc::new) else { return Ok(()) };
-        let rendered = Rendered { job: job.clone(), mesh: Arc::clone(&shown.mesh), origins };
+        let rendered = Rendered { job: job.clone(), mesh: Arc::clone(&drawn.mesh), origins };
         self.change(|shared| {
             if let Some(shot) = &mut shared.shot {
                 shot.rendered = Some(rendered);

@@ -19,7 +19,7 @@ pub struct BoundMesh {
     pub level: u32,
 }
 
-/// What is to be driven.
+/// The simulation mesh and the bound meshes that are driven.
 pub struct Chosen {
     /// The simulation mesh.
     pub sim: Path,

@@ -222,10 +222,10 @@ fn compose(
     Ok(((data, trims), warnings))
 }
 
-/// What is authored of some garments, besides the products.
+/// The trims that are bound to some garments, and the variants of their levels of detail.
 struct Authored {
     trims: Vec<BoundTrim>,
-    /// What belongs in the variants of levels of detail.
+    /// The content of each variant of levels of detail.
     levels: Vec<LevelPart>,
 }
 

@@ -22,7 +22,7 @@ pub struct ProductNames {
     pub sim: String,
     /// The render mesh, or those of the panels in their order.
     pub render: Vec<String>,
-    /// Those of the coarser levels of detail.
+    /// The names at the coarser levels of detail.
     pub levels: Vec<Self>,
 }
 
