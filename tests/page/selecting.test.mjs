@@ -185,6 +185,29 @@ test("a border is picked from beyond the cloth, and its set added to a seam that
   assertClean(preview);
 });
 
+test("keys that follow the name of a new operator at once go where they are typed", async (t) => {
+  const preview = await show(t, bareShirt(t), { viewport: SCREEN });
+  const { keyboard } = preview.page;
+  await keyboard.press("e");
+  await keyboard.type("borders.1");
+  await keyboard.press("Enter");
+  await selected(preview, /^borders\.1$/);
+  await preview.after("render", () => keyboard.press("n"));
+  // Both keys come before the next picture.
+  const label = await preview.evaluate(async () => {
+    const press = (key) => (document.activeElement ?? document.body).dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    const frame = () => new Promise(requestAnimationFrame);
+    const name = document.activeElement;
+    press("Enter");
+    name.blur();
+    press("e");
+    for (let i = 0; i < 5; i++) await frame();
+    return document.activeElement.getAttribute("aria-label");
+  });
+  assert.equal(label, "Selection as an expression");
+  assertClean(preview);
+});
+
 test("an edit ends the steps of a selection, so that undo goes back in the order of time", async (t) => {
   const preview = await show(t, bareShirt(t), { viewport: SCREEN });
   const { keyboard, mouse } = preview.page;

@@ -5,6 +5,7 @@ import { openBuild } from "./build";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
+import { isTyping } from "./typing";
 import type { Side } from "../view/api";
 import { largeOf, ROLES } from "../view/layout";
 
@@ -165,13 +166,6 @@ export function toggleRole(store: Store, index: number): void {
 /** What a space presses. */
 function isButton(target: EventTarget | null): boolean {
   return target instanceof HTMLElement && target.closest("button, input, select, [data-card]") !== null;
-}
-
-const NO_TEXT = ["range", "checkbox", "radio", "button"];
-
-function isTyping(target: EventTarget | null): boolean {
-  if (target instanceof HTMLInputElement) return !NO_TEXT.includes(target.type);
-  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
 }
 
 /** A field with text that is not taken yet has an undo of its own. */

@@ -6,6 +6,7 @@ import { fullName, listOf, instanceAt, uniqueName } from "./recipe";
 import { withInstance, withValue, ORDER, type Operator } from "./recipe";
 import type { Selection } from "./selection";
 import type { Store } from "./store";
+import { isTyping } from "./typing";
 
 /** Depth of a new seam as a share of the mean edge: little, and still to be seen. */
 const GROOVE = -0.05;
@@ -123,6 +124,7 @@ export function reveal(store: Store, full: string): void {
   show(full);
 }
 
+/** Scrolls to a card and focuses it. A field that the artist types in meanwhile keeps the focus. */
 export function show(full: string, frames = FRAMES): void {
   requestAnimationFrame(() => {
     const card = document.querySelector<HTMLElement>(`[data-card="${CSS.escape(full)}"]`);
@@ -130,6 +132,7 @@ export function show(full: string, frames = FRAMES): void {
     // The head stays in sight of a card that is higher than the panel.
     const isHigh = (card?.offsetHeight ?? 0) > (card?.closest(".recipe-scroll")?.clientHeight ?? 0) / 2;
     card?.scrollIntoView({ block: isHigh ? "start" : "nearest", behavior: "smooth" });
+    if (isTyping(document.activeElement)) return;
     (card?.querySelector<HTMLElement>(".card-rename") ?? card)?.focus({ preventScroll: true });
   });
 }

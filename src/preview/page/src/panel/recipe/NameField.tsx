@@ -3,6 +3,7 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { show } from "../../state/operators";
 import { fullName, nameProblem, type Instance } from "../../state/recipe";
+import { isTyping } from "../../state/typing";
 import { useStore } from "../controls/hooks";
 
 interface NameFieldProps {
@@ -17,6 +18,8 @@ export function NameField({ instance, rename }: NameFieldProps) {
   const problem = nameProblem(store.state.document.merged, instance, name);
   const hasEnded = useRef(false);
   useLayoutEffect(() => {
+    // The card of a new operator comes with the server's answer.
+    if (isTyping(document.activeElement)) return;
     field.current?.focus({ preventScroll: true });
     field.current?.select();
   }, []);
