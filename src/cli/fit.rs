@@ -7,14 +7,14 @@ use super::process::folders::MadeFolders;
 use super::text::{print_error, print_warnings};
 use super::{Inputs, Output, report, usage};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::fit::{Bodies, FitFigures, fit};
-use crate::session::{OpenGarment, fit_options, trims_stay};
+use crate::fit::{Bodies, FitFigures, Fitted, fit};
+use crate::session::{OpenGarment, fit_options};
 use crate::usd::{
-    BodyChoice, BuildRecord, FittedGarment, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
+    BodyChoice, BoundTrim, BuildRecord, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
     write_bodies, write_fitted,
 };
 use clap::Args;
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use serde_json::{Value, json};
 use shown::{in_report, summary, with_files};
 use std::collections::HashSet;
@@ -84,8 +84,9 @@ struct Task {
 /// A garment that fits.
 struct Done {
     source: Source,
-    points: Vec<Vec3>,
     figures: FitFigures,
+    /// The trims that it takes along.
+    trims: Vec<BoundTrim>,
     warnings: Warnings,
 }
 
@@ -257,7 +258,8 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
 /// Fits the garments of one input to one body and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let (mut garments, record) = fit_to(command, task)?;
-    let warnings = write_fitted(&new_points(command, &garments), &record, &task.output, command.force)?;
+    let (trims, warnings) = write_fitted(&sources(&garments), &record, &task.output, command.force)?;
+    add_trims(&mut garments, trims);
     add_warnings(&mut garments, warnings);
     Ok(garments)
 }
@@ -273,11 +275,13 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
         tasks.iter().map(|task| fit_to(command, task)).collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
     let names: Vec<String> =
         std::iter::once(&command.from).chain(tasks.iter().map(|task| &task.to)).map(|file| stem(file)).collect();
-    let garments = std::iter::once(Vec::new()).chain(all.iter().map(|garments| new_points(command, garments)));
+    let garments = std::iter::once(Vec::new()).chain(all.iter().map(|garments| sources(garments)));
     let choices: Vec<BodyChoice> =
         names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
     let record = BuildRecord::of_all(records);
-    let warnings = write_bodies(set, &choices, &record, &first.output, command.force)?;
+    let (trims, warnings) = write_bodies(set, &choices, &record, &first.output, command.force)?;
+    // The first choice is the garment as it is.
+    all.iter_mut().zip(trims.into_iter().skip(1)).for_each(|(garments, trims)| add_trims(garments, trims));
     if let Some(last) = all.last_mut() {
         add_warnings(last, warnings);
     }
@@ -304,9 +308,12 @@ fn add_warnings(garments: &mut [Done], warnings: Warnings) {
     }
 }
 
-fn new_points<'a>(command: &Fit, garments: &'a [Done]) -> Vec<FittedGarment<'a>> {
-    let new = |done: &'a Done| FittedGarment { source: &done.source, points: &done.points, time: command.inputs.time };
-    garments.iter().map(new).collect()
+fn add_trims(garments: &mut [Done], trims: Vec<BoundTrim>) {
+    trims.into_iter().for_each(|trim| garments[trim.garment].trims.push(trim));
+}
+
+fn sources(garments: &[Done]) -> Vec<&Source> {
+    garments.iter().map(|done| &done.source).collect()
 }
 
 /// The garments of one input on one body, and the record of what they are made of.
@@ -341,7 +348,7 @@ fn of_body(mut error: Error) -> Error {
 
 /// One garment, fitted.
 fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Done, Error> {
-    let (source, builder, recipe) = garment.check()?;
+    let (mut source, builder, recipe) = garment.check()?;
     if !recipe.fit.to.is_empty() {
         let fault = Error::recipe("fit.to", format!("the recipe fits {} to {} already", source.whole(), recipe.fit.to));
         return Err(fault.code(ErrorCode::OptionValue).remedy("take fit.from and fit.to out of it, or build it"));
@@ -349,11 +356,11 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
     let bodies = bodies(command, &source, files)?;
     let (rigid, keep_length) = (("--rigid", &command.rigid[..]), ("--keep-length", &command.keep_length[..]));
     let options = fit_options(&builder, &recipe, rigid, keep_length)?;
-    let fitted = fit(builder.garment(), &bodies, &options)?;
+    let Fitted { points, figures, warnings: of_fit, .. } = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
-    warnings.extend(trims_stay(&source, &recipe));
-    warnings.extend(builder.warnings_in_file(fitted.warnings));
-    Ok(Done { source, points: fitted.points, figures: fitted.figures, warnings })
+    warnings.extend(source.set_fitted(builder.garment(), points, command.inputs.time, &recipe.trim)?);
+    warnings.extend(builder.warnings_in_file(of_fit));
+    Ok(Done { source, figures, trims: Vec::new(), warnings })
 }
 
 /// The bodies in the space of a garment.

@@ -4,7 +4,7 @@ use super::build::{Built, Outcome, Task, level_report};
 use super::text::{operator_sets, warning_json};
 use super::usage;
 use crate::error::{Error, ErrorCode, plain};
-use crate::usd::write_whole;
+use crate::usd::{BoundTrim, write_whole};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -160,11 +160,7 @@ fn garment(task: &Task, built: &Built) -> Value {
         |(name, panel)| json!({ "name": name, "vertices": panel.mesh.points.len(), "faces": panel.mesh.faces.len() }),
     );
     report["renderPanels"] = panels.collect();
-    let trims = built.trims.iter().map(|trim| {
-        let (pieces, rigid, gap) = (trim.ride.pieces(), trim.ride.rigid(), trim.ride.gap);
-        json!({ "prim": trim.prim, "name": trim.name, "pieces": pieces, "rigid": rigid, "gap": gap })
-    });
-    report["trims"] = trims.collect();
+    report["trims"] = built.trims.iter().map(trim_json).collect();
     if !built.products.levels.is_empty() {
         report["levels"] = level_report(built);
     }
@@ -172,4 +168,10 @@ fn garment(task: &Task, built: &Built) -> Value {
         report.extend(head);
     }
     report
+}
+
+/// A trim, and how it rides.
+pub fn trim_json(trim: &BoundTrim) -> Value {
+    let (pieces, rigid, gap) = (trim.ride.pieces(), trim.ride.rigid(), trim.ride.gap);
+    json!({ "prim": trim.prim, "name": trim.name, "pieces": pieces, "rigid": rigid, "gap": gap })
 }

@@ -1,6 +1,6 @@
 //! A garment that follows the body that its recipe names.
 
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, ErrorCode, Warnings};
 use crate::fit::{Bodies, BodyOptions, FitOptions, FitStep, Fitted, fit};
 use crate::garment::{Elements, FIT_FROM, Garment, Interpolation, Mesh, PrimvarInput, Values};
 use crate::pipeline::Builder;
@@ -30,11 +30,11 @@ impl FitWay {
     }
 }
 
-/// Moves a garment to the body that its recipe names, and notes its points in the source, for the layer of its products. A recipe
-/// without a body moves nothing.
+/// Moves a garment and its trims to the body that its recipe names, and notes their points in the source, for the layer of its
+/// products. A recipe without a body moves nothing.
 ///
 /// # Errors
-/// A body that cannot be read or does not correspond to the other; sets that the garment lacks.
+/// A body that cannot be read or does not correspond to the other; sets that the garment lacks; trims that are not there.
 pub fn follow_body(
     source: &mut Source,
     mesh: &mut Garment,
@@ -45,6 +45,8 @@ pub fn follow_body(
     if to.is_empty() {
         return Ok((None, Warnings::default()));
     }
+    // Trims are on it as it is on the stage.
+    let authored = mesh.points.clone();
     // A garment that is fitted already is fitted again from the body that it was made for.
     if let Some(made) = made_points(mesh) {
         mesh.points = made;
@@ -54,15 +56,17 @@ pub fn follow_body(
         .map(|(key, body)| body_of(source, body).map_err(|error| of_option(key, &error)));
     let (from, to) = (from?, to?);
     let bodies = Bodies::new(&from, &to).map_err(|error| of_option("fit.to", &error))?;
-    let Fitted { points, steps, mut warnings, .. } = fitted(mesh, recipe, &bodies)?;
-    warnings.extend(trims_stay(source, recipe));
+    let builder = Builder::new(mesh.clone())?;
+    let Fitted { points, steps, mut warnings, .. } = fitted(&builder, recipe, &bodies)?;
     if !mesh.primvars.iter().any(|primvar| primvar.name == FIT_FROM) {
         let made = mesh.points.iter().flat_map(|p| p.to_array()).collect();
         let made = PrimvarInput::new(FIT_FROM, Interpolation::Vertex, Values::F32(made));
         mesh.primvars.push(PrimvarInput { components: 3, ..made });
     }
     mesh.points.clone_from(&points);
-    source.set_fitted(points, time, &files);
+    let on_stage = Mesh { points: authored.into(), ..Mesh::clone(builder.garment()) };
+    warnings.extend(source.set_fitted(&on_stage, points, time, &recipe.trim)?);
+    source.add_bodies(&files);
     Ok((Some(FitWay { steps, bodies, from }), warnings))
 }
 
@@ -77,15 +81,6 @@ fn made_points(mesh: &Garment) -> Option<Vec<Vec3>> {
         }
         _ => None,
     }
-}
-
-/// The warning of trims that a fit leaves where they are.
-pub fn trims_stay(source: &Source, recipe: &Recipe) -> Option<Warning> {
-    let trims: Vec<&str> = recipe.trim.values().flat_map(|trim| &trim.prims).map(String::as_str).collect();
-    let why = "they are prims of their own, and stay where they are";
-    let warning = Warning::not_carried(format!("the trims of {}: {}", source.whole(), trims.join(", ")), why);
-    let remedy = "Move them by hand, or make them parts of the garment that move as wholes (fit.rigid)";
-    (!trims.is_empty()).then(|| warning.remedy(remedy))
 }
 
 /// The options of a fit, by the names or expressions of its sets and the options that give them; `recipe` is a resolved one.
@@ -111,11 +106,10 @@ pub fn fit_options(
     Ok(FitOptions { rigid: rigid?, keep_length: keep_length? })
 }
 
-fn fitted(mesh: &Garment, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Error> {
-    let builder = Builder::new(mesh.clone())?;
+fn fitted(builder: &Builder, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Error> {
     let recipe = builder.resolve(recipe)?;
     let BodyOptions { rigid, keep_length, .. } = &recipe.fit;
-    let options = fit_options(&builder, &recipe, ("fit.rigid", rigid), ("fit.keepLength", keep_length))?;
+    let options = fit_options(builder, &recipe, ("fit.rigid", rigid), ("fit.keepLength", keep_length))?;
     let fitted = fit(builder.garment(), bodies, &options)?;
     Ok(Fitted { warnings: builder.warnings_in_file(fitted.warnings), ..fitted })
 }

@@ -7,19 +7,21 @@ mod fitted;
 mod input;
 
 pub use document::PayloadRecipe;
-pub(crate) use fitted::{FitWay, fit_options, trims_stay};
+pub(crate) use fitted::{FitWay, fit_options};
 pub use input::{Input, OpenGarment, beside, is_usd};
 
 use crate::error::{Error, ErrorKind, Warnings};
 use crate::fit::BodyOptions;
 use crate::pipeline::{Builder, Products, RenderPanel};
 use crate::recipe::{Layers, Recipe};
+use crate::trim::TrimOptions;
 use crate::usd::{
     Format, LodSchema, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
 };
 use document::ignored;
 use fitted::follow_body;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -58,6 +60,8 @@ type Updated = (Arc<Source>, Option<Products>);
 struct Read {
     source: Source,
     body: BodyOptions,
+    /// The trims of the last recipe with a body.
+    trims: BTreeMap<String, TrimOptions>,
     on_body: Arc<Source>,
     builder: Builder,
 }
@@ -66,17 +70,19 @@ impl Read {
     fn new(source: Source) -> Result<Self, Error> {
         let (mesh, warnings) = source.garment()?;
         let builder = Builder::new(mesh)?.with_warnings(warnings);
-        Ok(Self { on_body: Arc::new(source.clone()), source, body: BodyOptions::default(), builder })
+        let (body, trims) = (BodyOptions::default(), BTreeMap::new());
+        Ok(Self { on_body: Arc::new(source.clone()), source, body, trims, builder })
     }
 
     /// Builds the recipe, on the body that it names.
     fn update(&mut self, recipe: &Recipe, time: Option<f64>) -> Result<Products, Error> {
-        if recipe.fit != self.body {
+        if recipe.fit != self.body || (!recipe.fit.to.is_empty() && recipe.trim != self.trims) {
             let mut on_body = self.source.clone();
             let (mut mesh, mut warnings) = self.source.garment()?;
             warnings.extend(follow_body(&mut on_body, &mut mesh, recipe, time)?.1);
             let builder = Builder::new(mesh)?.with_warnings(warnings);
-            *self = Self { on_body: Arc::new(on_body), body: recipe.fit.clone(), builder, source: self.source.clone() };
+            self.on_body = Arc::new(on_body);
+            (self.body, self.trims, self.builder) = (recipe.fit.clone(), recipe.trim.clone(), builder);
         }
         self.builder.update(recipe)
     }

@@ -33,9 +33,9 @@ pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]
 pub(crate) use values::type_word;
 pub use write::{
-    BodyChoice, BoundTrim, FittedGarment, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings,
-    WriteOptions, Written, check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all,
-    write_bodies, write_fitted, write_sets, write_whole,
+    BodyChoice, BoundTrim, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions,
+    Written, check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all, write_bodies,
+    write_fitted, write_sets, write_whole,
 };
 #[cfg(feature = "preview")]
 pub(crate) use write::{

@@ -203,17 +203,6 @@ def test_new_points_in_a_variant_are_refused(usdtailor, scene):
     assert done.returncode != 0 and "--variant-set" in done.stderr and not (scene / "out.usda").exists(), done.stderr
 
 
-def test_trims_that_stay_are_named(usdtailor, scene):
-    stage = Usd.Stage.Open(str(scene / "coat.usda"))
-    UsdGeom.Mesh.Define(stage, "/Coat/button").CreatePointsAttr([(3.1, 0, 0), (3.1, 0.1, 0), (3.1, 0, 0.1)])
-    stage.GetPrimAtPath("/Coat/button").CreateAttribute("faceVertexCounts", Sdf.ValueTypeNames.IntArray).Set([3])
-    stage.GetPrimAtPath("/Coat/button").CreateAttribute("faceVertexIndices", Sdf.ValueTypeNames.IntArray).Set([0, 1, 2])
-    stage.Save()
-    args = ("--prim", "/Coat/model", "--set", "trim.button.prims=button", *on("thick", scene))
-    done = build(usdtailor, scene / "coat.usda", scene / "out.usda", *args)
-    assert "button" in done.stderr and "stay where they are" in done.stderr
-
-
 @pytest.mark.parametrize(
     ("settings", "words"),
     [

@@ -1,14 +1,16 @@
 //! The results of a fit as text and as JSON.
 
 use super::{Done, Fit, Task};
+use crate::cli::report::trim_json;
 use crate::cli::text::warning_json;
 use crate::fit::{CrossingCount, FitFigures};
+use crate::usd::BoundTrim;
 use serde_json::{Value, json};
 
 /// The figures of the garments of one task.
 pub fn summary(task: &Task, garments: &[Done]) -> String {
     let mut text = format!("{} -> {}\n", task.input.display(), task.output.display());
-    for Done { source, figures, .. } in garments {
+    for Done { source, figures, trims, .. } in garments {
         let FitFigures { body_crossings, own_crossings, distance, lengths, angles, .. } = figures;
         let least = distance.least.map(|least| least.map_or_else(|| "far".to_owned(), |least| format!("{least:.4}")));
         let crossings =
@@ -39,6 +41,9 @@ pub fn summary(task: &Task, garments: &[Done]) -> String {
         for (name, value) in rows {
             text += &format!("  {name:<20} {value}\n");
         }
+        for BoundTrim { prim, ride, .. } in trims {
+            text += &format!("  {:<20} {prim}: {}\n", "trim", ride.in_words());
+        }
     }
     text
 }
@@ -48,6 +53,7 @@ pub fn in_report(command: &Fit, task: &Task, garments: &[Done]) -> Value {
     let of_garment = |done: &Done| {
         let mut json = json!(done.figures);
         json["prim"] = json!(done.source.whole());
+        json["trims"] = done.trims.iter().map(trim_json).collect();
         json["warnings"] = done.warnings.iter().map(warning_json).collect();
         json
     };

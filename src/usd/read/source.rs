@@ -11,6 +11,7 @@ use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::query::prim_at;
 use super::recipe::{add_constraint, read_recipe};
+use super::trims::FittedTrim;
 use super::variants::{Selection, choices_of, frozen};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
@@ -88,13 +89,15 @@ pub struct Source {
     pub(in crate::usd) fitted: Option<Arc<FittedPoints>>,
 }
 
-/// The points of a garment on another body.
+/// The points of a garment on another body, and its trims there.
 #[derive(Debug)]
 pub struct FittedPoints {
     /// In the order of [`Source::garment`].
     pub points: Vec<Vec3>,
     /// The time at which the garment was read. \[time codes\]
     pub time: Option<f64>,
+    /// The trims that ride on it.
+    pub trims: Vec<FittedTrim>,
 }
 
 impl Source {
@@ -203,9 +206,8 @@ impl Source {
         self.recipe.clone()
     }
 
-    /// Notes that the garment has other points, on one of two bodies. The files of both are files of the garment then.
-    pub(crate) fn set_fitted(&mut self, points: Vec<Vec3>, time: Option<f64>, bodies: &[Self; 2]) {
-        self.fitted = Some(Arc::new(FittedPoints { points, time }));
+    /// Notes that the garment is made of files with bodies too.
+    pub(crate) fn add_bodies(&mut self, bodies: &[Self; 2]) {
         self.model.layers.extend(bodies.iter().flat_map(|body| body.model.layers.iter().cloned()));
         self.model.layers.sort();
         self.model.layers.dedup();

@@ -4,12 +4,13 @@ use super::DriveOptions;
 use super::chosen::{BoundMesh, Chosen};
 use super::conversion::StageMetrics;
 use super::space::Space;
+use crate::binding::Binding;
 use crate::drive::{BindFrames, BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
-use crate::usd::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, value};
+use crate::usd::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value};
 use crate::usd::write::{extent, pose_points};
-use glam::{Quat, Vec3};
+use glam::{DMat4, Quat, Vec3};
 use openusd::gf::{Quath, f16};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
@@ -117,19 +118,21 @@ impl Bound {
         let sim_points = points_at_bind(&sim)?;
         let triangles = triangles(&sim)?;
         let frames = Arc::new(BindFrames::new(&sim_points, &triangles)?);
-        let bind = Bind { sim: &sim, points: &sim_points, triangles: &triangles, frames: &frames };
+        let to_world = transforms(&sim, None)?.to_world;
+        let bind = Bind { to_world, points: &sim_points, triangles: &triangles, frames: &frames };
         let mut meshes = Vec::with_capacity(chosen.meshes.len());
         for mesh in &chosen.meshes {
             meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
         }
         for (stage, of_level) in chosen.other_levels(&stage, options)? {
-            let bind = Bind { sim: &prim_at(&stage, &chosen.sim)?, ..bind };
+            let to_world = transforms(&prim_at(&stage, &chosen.sim)?, None)?.to_world;
+            let bind = Bind { to_world, ..bind };
             for mesh in &of_level {
                 meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
             }
         }
         if options.model {
-            meshes.extend(models(&stage, options, &bind)?);
+            meshes.extend(models(&stage, options, &sim, &bind)?);
         }
         let metadata = stage_metadata(&stage)?;
         let metrics = StageMetrics::of(&metadata);
@@ -140,11 +143,11 @@ impl Bound {
 }
 
 /// The garment's own meshes: one, or the panels that are sewn together, whose places are one after another.
-fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
+fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
     let [faces, coords, source] = names::MODEL_BINDING;
-    let (sim, file) = (bind.sim.path(), options.render.display());
+    let (sim, file) = (holder.path(), options.render.display());
     let stale = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy(remedy));
-    let paths = bind.sim.relationship(source).targets().or_unreadable(sim)?;
+    let paths = holder.relationship(source).targets().or_unreadable(sim)?;
     if paths.is_empty() {
         let text = format!("{sim} of {file} has no {source}");
         return stale(text, "leave out --model, or build the garment again");
@@ -155,7 +158,7 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
         let points = points_at_bind(&prim)?;
         panels.push((prim, points));
     }
-    let mut places = SourcePoints::read(bind.sim, [faces, coords])?;
+    let mut places = read_places(holder, [faces, coords])?;
     let count: usize = panels.iter().map(|(_, points)| points.len()).sum();
     if count != places.faces.len() || count != places.coords.len() {
         let text = format!("{sim} of {file} has places for {} points of its model, not {count}", places.faces.len());
@@ -163,51 +166,40 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
     }
     let mut meshes = Vec::with_capacity(panels.len());
     for (prim, points) in panels {
-        let own = places.take(points.len());
+        let own = ..points.len();
+        let own = Binding { faces: places.faces.drain(own).collect(), coords: places.coords.drain(own).collect() };
         meshes.push(BoundPrim::read(&prim, &points, &own, bind)?);
     }
     Ok(meshes)
 }
 
-/// The simulation mesh at bind.
+/// The mesh of triangles at bind that moves what is bound to it.
 #[derive(Clone, Copy)]
-struct Bind<'a> {
-    sim: &'a Prim,
-    points: &'a [Vec3],
-    triangles: &'a [[u32; 3]],
-    frames: &'a Arc<BindFrames>,
+pub struct Bind<'a> {
+    /// From its space to the stage's.
+    pub to_world: DMat4,
+    pub points: &'a [Vec3],
+    pub triangles: &'a [[u32; 3]],
+    pub frames: &'a Arc<BindFrames>,
 }
 
 impl Bind<'_> {
     /// Reads a mesh that is bound.
     fn mesh(&self, prim: &Prim, mesh: &BoundMesh) -> Result<BoundPrim, Error> {
         let [faces, coords, _] = names::binding(mesh.level);
-        let places = SourcePoints::read(prim, [&faces, &coords])?;
+        let places = read_places(prim, [&faces, &coords])?;
         BoundPrim::read(prim, &points_at_bind(prim)?, &places, self)
     }
 }
 
-/// The places of points on the simulation mesh.
-struct SourcePoints {
-    faces: Vec<u32>,
-    coords: Vec<Vec3>,
-}
-
-impl SourcePoints {
-    /// Reads them from `holder`, by the names of faces and coordinates.
-    fn read(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Self, Error> {
-        let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
-        match value(holder, coords, None)? {
-            Some(Value::Vec3fVec(coords)) => Ok(Self { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
-            _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-                .code(ErrorCode::StaleBinding)
-                .remedy("build the garment again")),
-        }
-    }
-
-    /// Takes the first `count` of them.
-    fn take(&mut self, count: usize) -> Self {
-        Self { faces: self.faces.drain(..count).collect(), coords: self.coords.drain(..count).collect() }
+/// Reads the places of points on the simulation mesh from `holder`, by the names of faces and coordinates.
+fn read_places(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Binding, Error> {
+    let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
+    match value(holder, coords, None)? {
+        Some(Value::Vec3fVec(coords)) => Ok(Binding { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
+        _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
+            .code(ErrorCode::StaleBinding)
+            .remedy("build the garment again")),
     }
 }
 
@@ -247,9 +239,9 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
 }
 
 impl BoundPrim {
-    /// Reads a mesh with these points at bind and places on the simulation mesh.
-    fn read(prim: &Prim, points: &[Vec3], places: &SourcePoints, bind: &Bind) -> Result<Self, Error> {
-        let space = Space::between(prim, bind.sim)?;
+    /// Reads a prim with these points at bind and places on what moves it.
+    pub fn read(prim: &Prim, points: &[Vec3], places: &Binding, bind: &Bind) -> Result<Self, Error> {
+        let space = Space::between(prim, bind.to_world)?;
         let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
         let pose = BindPose {
             sim_points: bind.points,

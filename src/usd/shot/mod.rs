@@ -2,6 +2,7 @@
 //!
 //! `bound` reads both meshes at bind from a built garment, `cache` the moved points from USD or NumPy files, and `stream` writes
 //! the frames. `playback` plays a cache on meshes in memory. A few frames are in memory at a time, however long the cache is.
+//! `fitted` moves trims with a garment that fits another body, as one frame of a shot.
 
 mod bound;
 mod cache;
@@ -9,6 +10,7 @@ mod chosen;
 mod clips;
 mod conversion;
 mod crate_samples;
+mod fitted;
 mod numpy;
 mod playback;
 mod space;
@@ -17,7 +19,7 @@ mod stream;
 use crate::drive::Driver;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::{names, on_large_stack};
-use bound::{Bound, MeshAtBind};
+use bound::{Bound, BoundPrim, MeshAtBind};
 use cache::{Cache, Frame};
 use conversion::Conversion;
 use glam::{Quat, Vec3};
@@ -189,22 +191,7 @@ impl Bound {
             let [before, after] = shifted.each_ref().map(|(sim, rotations)| driver.points_by(sim, rotations));
             Some(after.iter().zip(&before).map(|(a, b)| (*a - *b) / (2.0 * step)).collect())
         };
-        let moved = |mesh: &bound::BoundPrim| {
-            let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions_by(&rotations, &n.values, &n.points));
-            let velocities = velocities(&mesh.driver);
-            let orientations = mesh.orientations.as_ref().map(|at_bind| {
-                let turns = mesh.driver.rotations_by(&rotations);
-                let own = turns.into_iter().map(|turn| mesh.space.as_ref().map_or(turn, |s| s.rotation_from_sim(turn)));
-                own.zip(at_bind).map(|(turn, at_bind)| (turn * *at_bind).normalize()).collect()
-            });
-            let (points_name, reach) = (mesh.points_name, mesh.reach);
-            let points = mesh.driver.points_by(&frame.points, &rotations);
-            let mut moved = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
-            if let Some(space) = &mesh.space {
-                moved.take_from_sim(space);
-            }
-            moved
-        };
+        let moved = |mesh: &BoundPrim| mesh.driven(&frame.points, &rotations, velocities(&mesh.driver));
         self.meshes.iter().map(moved).collect()
     }
 
@@ -212,6 +199,25 @@ impl Bound {
     fn velocity_step(&self, velocities: &[Vec3]) -> f32 {
         let fastest = velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
         if fastest > 0.0 { 0.01 * self.sim.edge_length as f32 / fastest } else { 1.0 }
+    }
+}
+
+impl BoundPrim {
+    /// The prim with the simulation mesh at `sim`, whose vertices have turned by `rotations` from bind.
+    fn driven(&self, sim: &[Vec3], rotations: &[Quat], velocities: Option<Vec<Vec3>>) -> DrivenPrim {
+        let normals = self.normals.as_ref().map(|n| self.driver.directions_by(rotations, &n.values, &n.points));
+        let orientations = self.orientations.as_ref().map(|at_bind| {
+            let turns = self.driver.rotations_by(rotations);
+            let own = turns.into_iter().map(|turn| self.space.as_ref().map_or(turn, |s| s.rotation_from_sim(turn)));
+            own.zip(at_bind).map(|(turn, at_bind)| (turn * *at_bind).normalize()).collect()
+        });
+        let (points_name, reach) = (self.points_name, self.reach);
+        let points = self.driver.points_by(sim, rotations);
+        let mut driven = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
+        if let Some(space) = &self.space {
+            driven.take_from_sim(space);
+        }
+        driven
     }
 }
 

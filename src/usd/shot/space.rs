@@ -13,19 +13,19 @@ pub struct Space {
 }
 
 impl Space {
-    /// The space of `mesh`; none if it is that of `sim`.
+    /// The space of `mesh`; none if it is that of the simulation mesh, which `of_sim` takes to that of the stage.
     ///
     /// # Errors
     /// A transform that flattens one of them.
-    pub fn between(mesh: &Prim, sim: &Prim) -> Result<Option<Self>, Error> {
-        let [own, of_sim] = [transforms(mesh, None)?.to_world, transforms(sim, None)?.to_world];
+    pub fn between(mesh: &Prim, of_sim: DMat4) -> Result<Option<Self>, Error> {
+        let own = transforms(mesh, None)?.to_world;
         if own == of_sim {
             return Ok(None);
         }
         let to_sim = of_sim.inverse() * own;
         let from_sim = to_sim.inverse();
         if !to_sim.is_finite() || !from_sim.is_finite() {
-            let text = format!("{} has a transform to {} that flattens it", mesh.path(), sim.path());
+            let text = format!("{} has a transform to the simulation mesh that flattens it", mesh.path());
             return Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy("give it scales that are not 0"));
         }
         Ok(Some(Self { to_sim, from_sim }))

@@ -4,53 +4,42 @@ use super::layer::{LayerContext, overlay};
 use super::product::{Author, extent};
 use super::role::SetChoice;
 use super::save::OutputFile;
+use super::trims::{BoundTrim, fitted_trims};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::usd::read::{OrUnreadable, Selection, Source, prim_at, property_names, transforms, value};
+use crate::usd::read::{
+    FittedPoints, Model, OrUnreadable, Selection, Source, points_name, prim_at, property_names, transforms, value,
+};
 use crate::usd::{BuildRecord, names, on_large_stack};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
-use openusd::usd::{Stage, TimeCode};
+use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::Path;
 
-/// A garment with new points.
-pub struct FittedGarment<'a> {
-    /// The garment.
-    pub source: &'a Source,
-    /// Its points, in the order of [`Source::garment`].
-    pub points: &'a [Vec3],
-    /// The time at which it was read. \[time codes\]
-    pub time: Option<f64>,
-}
-
-/// Writes the points of garments of one stage as a layer over it, with a record of what they were made of. Authored normals are
-/// blocked, since they are of the old points.
+/// Writes the new points of garments of one stage, and those of their trims, as a layer over it, with a record of what they were made
+/// of. Authored normals of garments are blocked, since they are of the old points. Returns the trims. See [`Source::set_fitted`].
 ///
 /// # Errors
 /// A file that may not or cannot be written.
 pub fn write_fitted(
-    garments: &[FittedGarment],
+    garments: &[&Source],
     record: &BuildRecord,
     out: &Path,
     force: bool,
-) -> Result<Warnings, Error> {
+) -> Result<(Vec<BoundTrim>, Warnings), Error> {
     let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
-    let model = &first.source.model;
+    let model = &first.model;
     let file = OutputFile::find(out, |file| model.uses(file), force)?;
     on_large_stack(|| {
         let (stage, anchor) = (model.origin.open()?, file.anchor());
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
-        let mut motions = Warnings::default();
-        for garment in garments {
-            let model = &garment.source.model;
-            let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::None };
-            motions.extend(garment.author(&stage, &mut author)?);
-        }
+        let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::None };
+        let (trims, motions) = author.fitted(&stage, garments)?;
         record.author(&mut data)?;
         let (_, mut warnings) = file.save(data)?;
         warnings.extend(motions);
-        Ok(warnings)
+        Ok((trims, warnings))
     })
 }
 
@@ -59,11 +48,11 @@ pub struct BodyChoice<'a> {
     /// The name of the variant.
     pub name: &'a str,
     /// The garments of one stage, the same for each body; none for the body on which they stay as they are.
-    pub garments: Vec<FittedGarment<'a>>,
+    pub garments: Vec<&'a Source>,
 }
 
 /// Writes garments on several bodies as a variant set of the prim above them. The layer refers to that prim of the garment's file: what a
-/// sublayer says of points would be stronger than any variant.
+/// sublayer says of points would be stronger than any variant. Returns the trims of each choice.
 ///
 /// # Errors
 /// Names that no variant can have, and as [`write_fitted`].
@@ -73,10 +62,10 @@ pub fn write_bodies(
     record: &BuildRecord,
     out: &Path,
     force: bool,
-) -> Result<Warnings, Error> {
+) -> Result<(Vec<Vec<BoundTrim>>, Warnings), Error> {
     let garments = choices.iter().flat_map(|choice| &choice.garments);
     let first = garments.into_iter().next().ok_or_else(|| Error::internal("there is no garment to write"))?;
-    let model = &first.source.model;
+    let model = &first.model;
     let file = OutputFile::find(out, |file| model.uses(file), force)?;
     on_large_stack(|| {
         let (stage, anchor) = (model.origin.open()?, file.anchor());
@@ -84,15 +73,12 @@ pub fn write_bodies(
         let above = model.path.strict_ancestors_below_root().last().unwrap_or_else(|| model.path.clone());
         let mut data = overlay(model, context)?;
         refer(&mut data, &above).or_unreadable(&above)?;
-        let mut motions = Warnings::default();
+        let (mut trims, mut motions) = (Vec::with_capacity(choices.len()), Warnings::default());
         for choice in choices {
             let mut part = overlay(model, context)?;
             PrimSpec::over(&mut part, &above).or_unreadable(&above)?;
-            for garment in &choice.garments {
-                let model = &garment.source.model;
-                let mut author = Author { data: &mut part, model, anchor, is_overlay: true, sets: SetChoice::None };
-                motions.extend(garment.author(&stage, &mut author)?);
-            }
+            let mut author = Author { data: &mut part, model, anchor, is_overlay: true, sets: SetChoice::None };
+            trims.push(motions.absorb(author.fitted(&stage, &choice.garments)?));
             let selection =
                 Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
             copy_into_variant(&mut data, &part, &[&selection]).map_err(|e| bad_name(&selection, &e))?;
@@ -108,7 +94,7 @@ pub fn write_bodies(
             warnings.push(Warning::not_carried(format!("/{name}"), why));
         }
         warnings.extend(motions);
-        Ok(warnings)
+        Ok((trims, warnings))
     })
 }
 
@@ -132,11 +118,31 @@ fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
     Error::usd(text).code(ErrorCode::NameTaken).remedy("give the files of bodies names of letters, digits and _")
 }
 
-impl FittedGarment<'_> {
-    /// Authors the points of each mesh. Warns of points that move, which those of one time hide.
-    pub(super) fn author(&self, stage: &Stage, author: &mut Author) -> Result<Warnings, Error> {
-        let (model, mut next, mut warnings) = (&self.source.model, 0, Warnings::default());
-        let time = self.time.map(TimeCode::new);
+impl Author<'_> {
+    /// Authors the new points of garments, and those of their trims. Warns of points that move, which those of one time hide.
+    pub(super) fn fitted(&mut self, stage: &Stage, garments: &[&Source]) -> Result<(Vec<BoundTrim>, Warnings), Error> {
+        let (mut trims, mut warnings) = (Vec::new(), Warnings::default());
+        for source in garments {
+            if let Some(fitted) = source.fitted.as_deref() {
+                warnings.extend(self.fitted_panels(stage, &source.model, fitted)?);
+            }
+        }
+        for (path, (garment, trim)) in fitted_trims(garments.iter().copied()) {
+            PrimSpec::over(self.data, path).or_unreadable(path)?;
+            for (name, kind, value) in &trim.values {
+                self.at_all_times(path, name, kind.clone(), value.clone()).or_unreadable(path)?;
+            }
+            let prim = prim_at(stage, path)?;
+            warnings.extend(motion(&prim, points_name(&prim)?)?);
+            let (prim, name, ride) = (path.to_string(), trim.name.clone(), trim.ride.clone());
+            trims.push(BoundTrim { prim, name, garment, ride });
+        }
+        Ok((trims, warnings))
+    }
+
+    fn fitted_panels(&mut self, stage: &Stage, model: &Model, fitted: &FittedPoints) -> Result<Warnings, Error> {
+        let (mut next, mut warnings) = (0, Warnings::default());
+        let time = fitted.time.map(TimeCode::new);
         for panel in &model.panels {
             let prim = prim_at(stage, panel)?;
             let from_garment = transforms(&prim, time)?.to_world.inverse() * model.transforms.to_world;
@@ -146,7 +152,7 @@ impl FittedGarment<'_> {
             };
             let count = own.len();
             let at = |i: usize| {
-                let point = self.points[model.sewing.points.get(i).copied().unwrap_or(i)];
+                let point = fitted.points[model.sewing.points.get(i).copied().unwrap_or(i)];
                 // A lone mesh is in its own space, and keeps its numbers.
                 if model.is_sewn() { from_garment.transform_point3(point.as_dvec3()).as_vec3() } else { point }
             };
@@ -159,32 +165,40 @@ impl FittedGarment<'_> {
                 Some(Value::Vec3fVec(made)) if made.len() == count => bytemuck::cast_slice(&made).to_vec(),
                 _ => own,
             };
-            author.fitted(panel, &points, &made, &normals).or_unreadable(panel)?;
-            let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(panel)?.len();
-            if times > 1 {
-                let place = format!("the motion of {panel}.{} over {times} times", names::POINTS);
-                warnings.push(Warning::not_carried(place, "the fitted points are of one time, and hide it"));
-            }
+            self.moved(panel, &points, &made, &normals).or_unreadable(panel)?;
+            warnings.extend(motion(&prim, names::POINTS)?);
         }
         Ok(warnings)
     }
-}
 
-impl Author<'_> {
     /// Authors other points of a mesh and those that it was made with, and blocks its normals.
-    fn fitted(&mut self, prim: &sdf::Path, points: &[Vec3], made: &[Vec3], normals: &[String]) -> openusd::Result<()> {
+    fn moved(&mut self, prim: &sdf::Path, points: &[Vec3], made: &[Vec3], normals: &[String]) -> openusd::Result<()> {
         PrimSpec::over(self.data, prim)?;
         let extent = Value::Vec3fVec(extent(points));
         let [points, made] = [points, made].map(|points| Value::Vec3fVec(bytemuck::cast_slice(points).to_vec()));
-        self.attribute(prim, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, Variability::Varying, extent)?;
-        self.attribute(prim, names::POINTS, ValueTypeName::POINT3F_ARRAY, Variability::Varying, points)?;
-        self.attribute(prim, names::FIT_FROM, ValueTypeName::POINT3F_ARRAY, Variability::Varying, made)?;
+        self.at_all_times(prim, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, extent)?;
+        self.at_all_times(prim, names::POINTS, ValueTypeName::POINT3F_ARRAY, points)?;
+        self.at_all_times(prim, names::FIT_FROM, ValueTypeName::POINT3F_ARRAY, made)?;
         let path = prim.append_property(names::FIT_FROM)?;
         self.data.set_field(&path, names::INTERPOLATION, Value::Token(Token::from("vertex")));
         for name in normals {
-            let blocked = Value::ValueBlock;
-            self.attribute(prim, name, ValueTypeName::NORMAL3F_ARRAY, Variability::Varying, blocked)?;
+            self.at_all_times(prim, name, ValueTypeName::NORMAL3F_ARRAY, Value::ValueBlock)?;
         }
         Ok(())
     }
+
+    /// Authors a value without a time. Samples of a flattened stage would be stronger.
+    fn at_all_times(&mut self, prim: &sdf::Path, name: &str, kind: ValueTypeName, value: Value) -> openusd::Result<()> {
+        self.attribute(prim, name, kind, Variability::Varying, value)?;
+        self.data.erase_field(&prim.append_property(name)?, FieldKey::TimeSamples.as_str());
+        Ok(())
+    }
+}
+
+/// The warning of points that move, if they do.
+fn motion(prim: &Prim, name: &str) -> Result<Option<Warning>, Error> {
+    let times = prim.attribute(name).time_sample_times().or_unreadable(prim.path())?.len();
+    let place = format!("the motion of {}.{name} over {times} times", prim.path());
+    let warning = || Warning::not_carried(place, "the fitted points are of one time, and hide it");
+    Ok((times > 1).then(warning))
 }

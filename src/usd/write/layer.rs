@@ -1,7 +1,6 @@
 //! Products into layers, and layers into files or bytes.
 
 use super::crates::{encode_plainly, remove_unwritable};
-use super::fit::FittedGarment;
 use super::flatten::flattened;
 use super::levels::{LevelPart, check_levels, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
@@ -12,9 +11,7 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{
-    FittedPoints, LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants,
-};
+use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -238,14 +235,15 @@ fn author(
 ) -> Result<(Authored, Warnings), Error> {
     let (sets, mut levels) = (options.sets, Vec::new());
     let (trims, mut warnings) = TrimBindings::read(garments)?;
+    let fitted: Vec<&Source> = garments.iter().map(|of| of.source).filter(|source| source.fitted.is_some()).collect();
+    if let Some(Source { model, .. }) = fitted.first() {
+        garments.iter().try_for_each(refuse_variant)?;
+        let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+        warnings.absorb(author.fitted(&model.origin.open()?, &fitted)?);
+    }
     for garment in garments {
         let GarmentProducts { source, products, .. } = garment;
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
-        if let Some(FittedPoints { points, time }) = source.fitted.as_deref() {
-            refuse_variant(garment)?;
-            let stage = source.model.origin.open()?;
-            warnings.extend(FittedGarment { source, points, time: *time }.author(&stage, &mut author)?);
-        }
         if level_count(products) > 1 {
             levels.extend(warnings.absorb(author.levels(products, options.lod_schema)?));
             continue;
@@ -271,7 +269,8 @@ fn author(
 
 /// Refuses new points of a garment in a variant, as those of the stage are stronger.
 fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
-    let Some(Selection { set, choice, .. }) = garment.variant else { return Ok(()) };
+    let is_fitted = garment.source.fitted.is_some();
+    let Some(Selection { set, choice, .. }) = garment.variant.filter(|_| is_fitted) else { return Ok(()) };
     let model = &garment.source.model.path;
     let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
     let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";

@@ -18,7 +18,7 @@ mod trims;
 mod variant;
 
 pub use crates::write_crate;
-pub use fit::{BodyChoice, FittedGarment, write_bodies, write_fitted};
+pub use fit::{BodyChoice, write_bodies, write_fitted};
 pub use layer::{
     Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes, write, write_all,
 };
@@ -29,4 +29,4 @@ pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, reci
 pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
 pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 pub use sets::write_sets;
-pub use trims::BoundTrim;
+pub use trims::{BoundTrim, off_cloth};

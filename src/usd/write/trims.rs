@@ -6,7 +6,7 @@ use crate::binding::BindSurface;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::trim::{Ride, TrimMode, TrimOptions};
-use crate::usd::read::{Model, TrimPrim, trim_path, trims};
+use crate::usd::read::{FittedTrim, Model, Source, TrimPrim, trim_path, trims};
 use openusd::sdf::{Path, PrimSpec};
 use std::collections::BTreeMap;
 
@@ -61,6 +61,7 @@ impl<'a> TrimBindings<'a> {
             return Ok((bindings, warnings));
         }
         let stage = garments[0].source.model.origin.open()?;
+        let fitted = fitted_trims(garments.iter().map(|garment| garment.source));
         let mut read: BTreeMap<Path, Vec<Path>> = BTreeMap::new();
         for (number, garment) in garments.iter().enumerate() {
             bindings.cloths.push(Cloth::of(garment)?);
@@ -73,8 +74,11 @@ impl<'a> TrimBindings<'a> {
                         let file = &garment.source.model.origin.file;
                         let found = warnings.absorb(trims(&stage, file, &key, &root)?);
                         read.insert(root.clone(), found.iter().map(|trim| trim.path.clone()).collect());
-                        for trim in found {
+                        for mut trim in found {
                             let path = trim.path.clone();
+                            if let Some((_, FittedTrim { points, .. })) = fitted.get(&path) {
+                                trim.shape = trim.shape.with_points(points.clone(), 1.0);
+                            }
                             bindings.asked.entry(path).or_insert(Asked { trim, by: Vec::new() });
                         }
                     }
@@ -123,16 +127,33 @@ impl<'a> TrimBindings<'a> {
             for (level, (surface, sim)) in (1..).zip(&cloth.coarser) {
                 author.binding(path, &shape.bound(options.mode, surface, size).0, sim, level)?;
             }
-            if ride.gap > FARTHEST * size {
-                let problem =
-                    format!("a piece of it is {:.3} mesh units away from {}, on which it rides", ride.gap, cloth.path);
-                let remedy = "Move it to the cloth, or name another garment by its option `on`";
-                warnings.push(Warning::new(Code::TrimOffCloth, path, problem).amount(ride.gap).remedy(remedy));
-            }
+            warnings.extend(off_cloth(path, &ride, &cloth.path, size));
             bound.push(BoundTrim { prim: path.to_string(), name: name.to_owned(), garment, ride });
         }
         Ok(bound)
     }
+}
+
+/// The warning of a trim that rides on a garment of the size `size` \[mesh units\] and is away from its cloth.
+pub fn off_cloth(trim: &Path, ride: &Ride, cloth: &Path, size: f32) -> Option<Warning> {
+    let problem = format!("a piece of it is {:.3} mesh units away from {cloth}, on which it rides", ride.gap);
+    let remedy = "Move it to the cloth, or name another garment by its option `on`";
+    let warning = Warning::new(Code::TrimOffCloth, trim, problem).amount(ride.gap).remedy(remedy);
+    (ride.gap > FARTHEST * size).then_some(warning)
+}
+
+/// The trims that garments on another body take along, each with the number of the garment that is nearest to it.
+pub fn fitted_trims<'a>(garments: impl IntoIterator<Item = &'a Source>) -> BTreeMap<&'a Path, (usize, &'a FittedTrim)> {
+    let mut nearest: BTreeMap<&Path, (usize, &FittedTrim)> = BTreeMap::new();
+    for (garment, source) in garments.into_iter().enumerate() {
+        for trim in source.fitted.iter().flat_map(|fitted| &fitted.trims) {
+            let known = nearest.entry(&trim.path).or_insert((garment, trim));
+            if trim.distance < known.1.distance {
+                *known = (garment, trim);
+            }
+        }
+    }
+    nearest
 }
 
 impl<'a> Cloth<'a> {

@@ -13,7 +13,7 @@ use crate::usd::read::source::Source;
 use crate::usd::read::space::transforms;
 use crate::usd::{names, on_large_stack};
 use glam::{DMat4, Vec3};
-use openusd::sdf::{Path, Value};
+use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
@@ -32,6 +32,23 @@ pub struct TrimPrim {
     pub shape: TrimShape,
     /// From its own space to the stage's.
     pub to_world: DMat4,
+}
+
+/// A trim that a garment on another body takes along.
+#[derive(Debug)]
+pub struct FittedTrim {
+    /// Path of its prim.
+    pub path: Path,
+    /// The name of its options in the recipe.
+    pub name: String,
+    /// Its distance from the garment, on average. \[mesh units\]
+    pub distance: f32,
+    /// How it rides.
+    pub ride: Ride,
+    /// Its points there, in its own space.
+    pub points: Vec<Vec3>,
+    /// The attributes that change, by name and type. A block is for one that holds no more.
+    pub values: Vec<(String, ValueTypeName, Value)>,
 }
 
 /// The name of the attribute with the points that cloth moves.

@@ -1,0 +1,142 @@
+//! A garment on another body takes its trims along: they are bound to its faces, and driven by where these went.
+
+use super::bound::{Bind, BoundPrim};
+use super::stream::type_of;
+use crate::binding::BindSurface;
+use crate::drive::BindFrames;
+use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::garment::Mesh;
+use crate::mesh::{Faces, IdVec, VertexId};
+use crate::trim::{TrimMode, TrimOptions};
+use crate::usd::on_large_stack;
+use crate::usd::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, prim_at, trim_path, trims};
+use crate::usd::write::off_cloth;
+use glam::{Quat, Vec3};
+use openusd::sdf::Value;
+use openusd::usd::Stage;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+impl Source {
+    /// Gives the garment other points, in the order of those that `mesh` has at `time`. They are written over its own, and its trims go
+    /// with it. Warns of trims that stay.
+    ///
+    /// # Errors
+    /// Other numbers of points; a trim that is not there, or that has no points.
+    pub fn set_fitted(
+        &mut self,
+        mesh: &Mesh,
+        points: Vec<Vec3>,
+        time: Option<f64>,
+        options: &BTreeMap<String, TrimOptions>,
+    ) -> Result<Warnings, Error> {
+        if points.len() != mesh.points.len() {
+            let text = format!("{} new points for a garment of {}", points.len(), mesh.points.len());
+            return Err(Error::usd(text).code(ErrorCode::ValueCount).remedy("give one for each of its points"));
+        }
+        let mut warnings = Warnings::default();
+        let trims = if options.is_empty() {
+            Vec::new()
+        } else {
+            warnings.absorb(on_large_stack(|| fitted_trims(&self.model, mesh, &points, options))?)
+        };
+        self.fitted = Some(Arc::new(FittedPoints { points, time, trims }));
+        Ok(warnings)
+    }
+}
+
+/// The trims that options name, with the garment of `mesh` at `points`. Each is once among them.
+fn fitted_trims(
+    model: &Model,
+    mesh: &Mesh,
+    points: &[Vec3],
+    options: &BTreeMap<String, TrimOptions>,
+) -> Result<(Vec<FittedTrim>, Warnings), Error> {
+    let stage = model.origin.open()?;
+    let cage = triangulated(mesh);
+    let way = Way::new(model, &cage, points)?;
+    let (mut fitted, mut known, mut warnings) = (Vec::new(), BTreeSet::new(), Warnings::default());
+    for (name, TrimOptions { prims, mode, on }) in options {
+        if !on.is_empty() && !model.panels.iter().any(|panel| panel.as_str() == on) {
+            continue;
+        }
+        for named in prims {
+            let key = format!("trim.{name}.prims");
+            let root = trim_path(model, &key, named)?;
+            if *mode == TrimMode::None {
+                let stays = Warning::not_carried(&root, "its mode is none, so that it stays where it is");
+                warnings.push(stays.remedy("Move it by hand, or give it another mode"));
+                continue;
+            }
+            let found = warnings.absorb(trims(&stage, &model.origin.file, &key, &root)?);
+            for trim in found.into_iter().filter(|trim| known.insert(trim.path.clone())) {
+                match way.moved(&stage, name, &trim, *mode) {
+                    Ok(moved) => {
+                        warnings.extend(off_cloth(&moved.path, &moved.ride, &model.path, way.size));
+                        fitted.push(moved);
+                    }
+                    Err(error) => warnings.push(Warning::unread(&trim.path, &error)),
+                }
+            }
+        }
+    }
+    Ok((fitted, warnings))
+}
+
+/// The faces of a garment as triangles.
+fn triangulated(mesh: &Mesh) -> Mesh {
+    let fan = |face| {
+        let vertices = mesh.faces.vertices_of(face);
+        vertices[1..].windows(2).flat_map(move |pair| [vertices[0], pair[0], pair[1]])
+    };
+    let corners: IdVec<_, VertexId> = mesh.faces.ids().flat_map(fan).collect();
+    Mesh { points: mesh.points.clone(), faces: Faces::triangles(corners), ..Mesh::default() }
+}
+
+/// A garment of triangles, and where it went.
+struct Way<'a> {
+    model: &'a Model,
+    surface: BindSurface<'a>,
+    size: f32,
+    points: &'a [Vec3],
+    triangles: Vec<[u32; 3]>,
+    frames: Arc<BindFrames>,
+    to: &'a [Vec3],
+    rotations: Vec<Quat>,
+}
+
+impl<'a> Way<'a> {
+    fn new(model: &'a Model, cage: &'a Mesh, to: &'a [Vec3]) -> Result<Self, Error> {
+        let triangle = |face| [0, 1, 2].map(|k| cage.faces.vertices_of(face)[k].index() as u32);
+        let triangles: Vec<[u32; 3]> = cage.faces.ids().map(triangle).collect();
+        let points = cage.points.as_slice();
+        let frames = Arc::new(BindFrames::new(points, &triangles)?);
+        let rotations = frames.rotations(to);
+        let (surface, size) = (BindSurface::new(cage), cage.size());
+        Ok(Self { model, surface, size, points, triangles, frames, to, rotations })
+    }
+
+    /// A trim where the garment takes it.
+    fn moved(&self, stage: &Stage, name: &str, trim: &TrimPrim, mode: TrimMode) -> Result<FittedTrim, Error> {
+        let shape = trim.beside(self.model);
+        let (places, ride) = shape.bound(mode, &self.surface, self.size);
+        let to_world = self.model.transforms.to_world;
+        let bind = Bind { to_world, points: self.points, triangles: &self.triangles, frames: &self.frames };
+        let bound = BoundPrim::read(&prim_at(stage, &trim.path)?, &trim.shape.points, &places, &bind)?;
+        let driven = bound.driven(self.to, &self.rotations, None);
+        if !driven.points.iter().all(|point| point.is_finite()) {
+            return Err(Error::usd("it is too far from the cloth to be bound"));
+        }
+        let arrays = driven.arrays().map(|(name, all)| (name, Value::Vec3fVec(bytemuck::cast_slice(all).to_vec())));
+        let changed = arrays.chain(driven.values()).map(|(name, value)| (name.to_owned(), type_of(name), value));
+        let blocked = bound.stale.iter().map(|(name, kind)| (name.clone(), kind.clone(), Value::ValueBlock));
+        Ok(FittedTrim {
+            path: trim.path.clone(),
+            name: name.to_owned(),
+            distance: shape.distance(&self.surface),
+            ride,
+            values: changed.chain(blocked).collect(),
+            points: driven.points,
+        })
+    }
+}
