@@ -4,6 +4,8 @@ import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
 MODEL = "/Coat/model"
+# The faces of a box whose corners have the bits of their numbers as coordinates.
+BOX = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
 
 
 def sheet(width=4, height=3):
@@ -231,3 +233,16 @@ def bind(prim, name):
     material = UsdShade.Material.Define(stage, prim.GetPath().GetPrefixes()[0].AppendPath(f"materials/{name}"))
     UsdShade.MaterialBindingAPI.Apply(prim).Bind(material)
     return material
+
+
+def vec3f(points):
+    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
+
+
+def define_mesh(stage, path, points, faces):
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(vec3f(points))
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray([len(face) for face in faces]))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray([int(v) for face in faces for v in face]))
+    mesh.CreateSubdivisionSchemeAttr("none")
+    return mesh

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from conftest import run
 from fitting import fit, tube, write_tube
-from pxr import Gf, Sdf, Usd, UsdGeom, Vt
+from pxr import Gf, Usd, UsdGeom
+from sources import BOX, define_mesh, vec3f
 from surface import point_triangle
 from tailor_file import holder, needs_plugin, recipe
 
 RADIUS = 3.0
-BOX = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
 # Places on the garment: the angle about its axis, and the height.
 BUTTONS = [(0.3, 3.5), (2.0, -3.6), (4.1, 0.2)]
 STUDS = [(1.0, 3.0), (3.3, -3.2)]
@@ -23,19 +23,6 @@ POINTS = {"buttons": "points", "tape": "points", "cords": "points", "studs": "po
 def on_garment(angle, height, above):
     r = RADIUS + np.asarray(above, float)
     return np.stack(np.broadcast_arrays(r * np.sin(angle), height, r * np.cos(angle)), -1)
-
-
-def vec3f(points):
-    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
-
-
-def define_mesh(stage, path, points, faces):
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(vec3f(points))
-    mesh.CreateFaceVertexCountsAttr([len(face) for face in faces])
-    mesh.CreateFaceVertexIndicesAttr([int(v) for face in faces for v in face])
-    mesh.CreateSubdivisionSchemeAttr("none")
-    return mesh
 
 
 def add_trims(stage):

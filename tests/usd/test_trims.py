@@ -5,110 +5,15 @@ import json
 import numpy as np
 import pytest
 from conftest import EXAMPLES, run
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 from runs import good, refused
-
-R = 60.0
-FRAMES = 5
-BOX = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]]
-BUTTONS = [(-30, 0), (-10, 10), (10, -10), (30, 0)]
-STUDS = [(-20, 20), (0, -25), (20, 15)]
-
-
-def radius(frame):
-    """The cloth bends around the vertical axis, from a radius of 60 to one of 25."""
-    return R / (1 + 1.4 * frame / (FRAMES - 1))
-
-
-def on_cloth(p, frame):
-    """Where points at (arc length, height, distance from the cloth) are."""
-    p, r = np.asarray(p, float), radius(frame)
-    a = p[..., 0] / r
-    return np.stack([(r + p[..., 2]) * np.sin(a), p[..., 1], (r + p[..., 2]) * np.cos(a) - r], -1)
-
-
-def flat(points):
-    """The (arc length, height, distance from the cloth) of points at rest."""
-    x, z = points[..., 0], points[..., 2] + R
-    return np.stack([R * np.arctan2(x, z), points[..., 1], np.hypot(x, z) - R], -1)
-
-
-def turn(arc, frame):
-    """The rotation of the cloth at an arc length, from rest."""
-    a = arc / radius(frame) - arc / R
-    return np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
-
-
-def vec3f(points):
-    return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
-
-
-def define_mesh(stage, path, points, faces):
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreatePointsAttr(vec3f(points))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray([len(face) for face in faces]))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray([int(v) for face in faces for v in face]))
-    mesh.CreateSubdivisionSchemeAttr("none")
-    return mesh
-
-
-def grid(columns, rows, width, height, at=(0, 0), above=0.0):
-    u, v = np.meshgrid(np.linspace(-width / 2, width / 2, columns + 1), np.linspace(-height / 2, height / 2, rows + 1))
-    points = np.stack([u.ravel() + at[0], v.ravel() + at[1], np.full(u.size, above)], 1)
-    n = columns + 1
-    faces = [[n * j + i, n * j + i + 1, n * j + n + i + 1, n * j + n + i] for j in range(rows) for i in range(columns)]
-    return on_cloth(points, 0), faces
-
-
-def boxes():
-    """Buttons of boxes without shared vertices, each on the tangent plane of its middle."""
-    corners = np.array([[v & 1, v >> 1 & 1, v >> 2 & 1] for v in range(8)]) - [0.5, 0.5, 0]
-    points = []
-    for arc, height in BUTTONS:
-        at, own = on_cloth([arc, height, 0.05], 0), corners[np.ravel(BOX)] * [2.2, 1.8, 0.6]
-        a = arc / R
-        frame = np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
-        points.append(at + own @ frame.T)
-    return np.concatenate(points), np.arange(96).reshape(24, 4)
+from sources import define_mesh
+from trimmed import ARGS, BUTTONS, STUDS, boxes, driven, flat, grid, on_cloth, times, turn, world, write_front
 
 
 @pytest.fixture(scope="module")
 def stage_file(tmp_path_factory):
-    path = tmp_path_factory.mktemp("trims") / "front.usda"
-    stage = Usd.Stage.CreateNew(str(path))
-    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
-    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
-    stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/G").GetPrim())
-    define_mesh(stage, "/G/front", *grid(20, 16, 100, 80))
-    # In a space of its own.
-    trims = UsdGeom.Xform.Define(stage, "/G/trims")
-    trims.AddTranslateOp().Set((3, -4, 5))
-    trims.AddRotateXYZOp().Set((20, 30, 40))
-    trims.AddScaleOp().Set((2, 2, 2))
-    to_own = np.linalg.inv(np.array(trims.GetLocalTransformation()))
-    own = lambda p: p @ to_own[:3, :3] + to_own[3, :3]
-    points, faces = boxes()
-    define_mesh(stage, "/G/trims/buttons", own(points), faces)
-    tape, faces = grid(40, 1, 60, 1.5, at=(0, 30), above=0.1)
-    define_mesh(stage, "/G/trims/tape", own(tape), faces)
-    cords = UsdGeom.BasisCurves.Define(stage, "/G/trims/cords")
-    lines = [on_cloth(np.stack([np.linspace(-30, 30, 20), np.full(20, y), np.full(20, 0.3)], 1), 0) for y in (-20, -22)]
-    cords.CreatePointsAttr(vec3f(own(np.concatenate(lines))))
-    cords.CreateCurveVertexCountsAttr([20, 20])
-    cords.CreateTypeAttr("linear")
-    cords.CreateWidthsAttr([0.2])
-    studs = UsdGeom.PointInstancer.Define(stage, "/G/trims/studs")
-    UsdGeom.Sphere.Define(stage, "/G/trims/studs/ball").CreateRadiusAttr(0.3)
-    studs.CreatePrototypesRel().SetTargets(["/G/trims/studs/ball"])
-    studs.CreateProtoIndicesAttr([0] * len(STUDS))
-    studs.CreatePositionsAttr(vec3f(own(on_cloth(np.array([(*at, 0.2) for at in STUDS]), 0))))
-    studs.CreateOrientationsAttr([Gf.Quath(0.6, 0, 0.8, 0)] * len(STUDS))
-    studs.CreateExtentAttr(UsdGeom.PointInstancer(studs).ComputeExtentAtTime(Usd.TimeCode.Default(), Usd.TimeCode.Default()))
-    stage.GetRootLayer().Save()
-    return path
-
-
-ARGS = ("--prim", "/G/front", "--set", "sim.maxEdgeLength=2", "--set", "render.level=0", "--set", "trim.all.prims=trims")
+    return write_front(tmp_path_factory.mktemp("trims") / "front.usda")
 
 
 @pytest.fixture(scope="module")
@@ -118,25 +23,6 @@ def shot(usdtailor, stage_file, tmp_path_factory):
     done = run(usdtailor, "build", stage_file, "-o", out, "--report", report, *ARGS)
     assert done.returncode == 0, done.stderr
     return out, driven(usdtailor, out, folder / "shot.usdc"), json.loads(report.read_text()), done.stdout
-
-
-def driven(usdtailor, built, out, *args):
-    stage = Usd.Stage.Open(str(built))
-    sim = np.array(stage.GetPrimAtPath("/G/sim").GetAttribute("points").Get(), float)
-    np.save(out.with_suffix(".npy"), np.stack([on_cloth(flat(sim), frame) for frame in range(FRAMES)]).astype(np.float32))
-    good(usdtailor, "drive", built, "--cache", out.with_suffix(".npy"), "-o", out, *args)
-    return Usd.Stage.Open(str(out))
-
-
-def world(stage, path, frame, name="points"):
-    prim = stage.GetPrimAtPath(path)
-    points = np.array(prim.GetAttribute(name).Get(float(frame)), float)
-    matrix = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(frame))
-    return points @ matrix[:3, :3] + matrix[3, :3]
-
-
-def times(stage):
-    return [stage.GetStartTimeCode() + frame for frame in range(FRAMES)]
 
 
 def test_buttons_move_as_wholes_with_the_cloth_below_them(shot):
@@ -279,28 +165,6 @@ def test_a_trim_rides_on_the_nearest_garment_or_on_the_one_that_is_named(usdtail
             assert str(target) == f"{right}_sim", trim
 
 
-def test_bad_trims_are_told(usdtailor, stage_file, tmp_path):
-    out = tmp_path / "out.usdc"
-    base = ("build", stage_file, "-o", out, "--prim", "/G/front", "--set", "render.level=0")
-    for value, says in [
-        ("trim.x.prims=/G/button", ["wrong-prim", "trim.x.prims", "/G/button is not a prim"]),
-        ("trim.x.prims=/G/front", ["wrong-prim", "the garment itself"]),
-        ("trim.x.prims=a b", ["wrong-prim", "a b"]),
-        ("trim.x.mode=soft", ["names no prim"]),
-    ]:
-        refused(usdtailor, *base, "--set", value, says=says)
-        assert not out.exists()
-    path = tmp_path / "far.usda"
-    stage = Usd.Stage.CreateNew(str(path))
-    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
-    stage.OverridePrim("/G/trims").GetAttribute("xformOp:translate").Set((3, -4, 300))
-    UsdGeom.Cube.Define(stage, "/G/trims/block")
-    stage.GetRootLayer().Save()
-    done = good(usdtailor, "build", path, "-o", out, *ARGS)
-    assert "trim-off-cloth" in done.stderr and "/G/trims/buttons" in done.stderr
-    assert "not-carried" in done.stderr and "/G/trims/block" in done.stderr and "Cube" in done.stderr
-
-
 def test_threads_give_the_same_bytes(usdtailor, stage_file, tmp_path):
     outs = [tmp_path / f"{threads}.usdc" for threads in (1, 4)]
     for out, threads in zip(outs, (1, 4)):
@@ -357,66 +221,6 @@ def test_a_shot_of_the_skirt_moves_its_trims(usdtailor, tmp_path):
         start, end = (np.array(values.Get(stage.GetStartTimeCode() + frame), float) for frame in (0, 1))
         right = start @ np.array([[np.cos(a), 0, -np.sin(a)], [0, 1, 0], [np.sin(a), 0, np.cos(a)]]).T + [5, -3, 2]
         assert np.abs(end - right).max() < 1e-3, name
-
-
-def curves_that_lie(stage):
-    curves = UsdGeom.BasisCurves.Define(stage, "/G/t")
-    curves.CreatePointsAttr([(0, 0, 0), (1, 0, 0)])
-    curves.CreateCurveVertexCountsAttr([-1, 5, 2147483647])
-
-
-def beyond(stage):
-    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 99]])
-
-
-def negative(stage):
-    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, -2]])
-
-
-def not_a_number(stage):
-    define_mesh(stage, "/G/t", np.array([[np.nan, 0, 0], [1, 0, 0], [0, 1, 0]]), [[0, 1, 2]])
-
-
-def flattened(stage):
-    define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 2]]).AddScaleOp().Set((0, 0, 0))
-
-
-def at_times(stage):
-    points = define_mesh(stage, "/G/t", np.eye(3), [[0, 1, 2]]).GetPointsAttr()
-    points.Clear()
-    for time in (1, 2):
-        points.Set(vec3f(time * np.eye(3)), time)
-
-
-def instance(stage):
-    define_mesh(stage, "/P/t", np.eye(3), [[0, 1, 2]])
-    prim = stage.DefinePrim("/G/t")
-    prim.GetReferences().AddInternalReference("/P")
-    prim.SetInstanceable(True)
-
-
-@pytest.mark.parametrize(
-    ("spoil", "says"),
-    [
-        (curves_that_lie, None),
-        (beyond, "beyond its 3"),
-        (negative, "beyond its 3"),
-        (not_a_number, "not finite"),
-        (flattened, "flattens it"),
-        (at_times, "at times alone"),
-        (instance, "it is an instance"),
-    ],
-    ids=lambda value: getattr(value, "__name__", ""),
-)
-def test_a_trim_that_cannot_be_bound_is_told_and_the_garment_is_built(usdtailor, stage_file, tmp_path, spoil, says):
-    path, out = tmp_path / "bad.usda", tmp_path / "out.usdc"
-    stage = Usd.Stage.CreateNew(str(path))
-    stage.GetRootLayer().subLayerPaths.append(str(stage_file))
-    spoil(stage)
-    stage.GetRootLayer().Save()
-    done = good(usdtailor, "build", path, "-o", out, "--prim", "/G/front", "--set", "render.level=0", "--set", "trim.x.prims=t")
-    assert says is None or ("not-carried" in done.stderr and "/G/t" in done.stderr and says in done.stderr)
-    driven(usdtailor, out, tmp_path / "shot.usdc")
 
 
 def test_any_number_of_trims_is_found(usdtailor, stage_file, tmp_path):
