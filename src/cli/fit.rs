@@ -10,8 +10,8 @@ use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::fit::{Bodies, FitFigures, Fitted, fit};
 use crate::session::{OpenGarment, fit_options};
 use crate::usd::{
-    BodyChoice, BoundTrim, BuildRecord, Format, ReadOptions, Source, body_of, check_target, stage_to_garment,
-    write_bodies, write_fitted,
+    BodyChoice, BoundTrim, BuildRecord, Format, ReadOptions, Source, WriteOptions, body_of, check_target,
+    stage_to_garment, write_bodies, write_fitted,
 };
 use clap::Args;
 use glam::DVec3;
@@ -101,8 +101,8 @@ struct Results {
 impl Results {
     /// Adds garments that fit, and prints their warnings.
     fn add(&mut self, command: &Fit, task: &Task, garments: &[Done], label: Option<&PathBuf>) {
-        let warnings = garments.iter().flat_map(|done| done.warnings.worst_first());
-        print_warnings(warnings, command.inputs.wording(), label);
+        let warnings: Warnings = garments.iter().flat_map(|done| done.warnings.iter().cloned()).collect();
+        print_warnings(warnings.worst_first(), command.inputs.wording(), label);
         self.text += &summary(task, garments);
         self.reports.push(in_report(command, task, garments));
     }
@@ -258,7 +258,8 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
 /// Fits the garments of one input to one body and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let (mut garments, record) = fit_to(command, task)?;
-    let (trims, warnings) = write_fitted(&sources(&garments), &record, &task.output, command.force)?;
+    let written = |options: &WriteOptions| write_fitted(&sources(&garments), &task.output, options);
+    let (trims, warnings) = strictly(command, record, written)?;
     add_trims(&mut garments, trims);
     add_warnings(&mut garments, warnings);
     Ok(garments)
@@ -279,7 +280,8 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
     let choices: Vec<BodyChoice> =
         names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
     let record = BuildRecord::of_all(records);
-    let (trims, warnings) = write_bodies(set, &choices, &record, &first.output, command.force)?;
+    let written = |options: &WriteOptions| write_bodies(set, &choices, &first.output, options);
+    let (trims, warnings) = strictly(command, record, written)?;
     // The first choice is the garment as it is.
     all.iter_mut().zip(trims.into_iter().skip(1)).for_each(|(garments, trims)| add_trims(garments, trims));
     if let Some(last) = all.last_mut() {
@@ -306,6 +308,19 @@ fn add_warnings(garments: &mut [Done], warnings: Warnings) {
     if let Some(last) = garments.last_mut() {
         last.warnings.extend(warnings);
     }
+}
+
+/// Writes a layer. If warnings are errors, a rehearsal finds them before anything is written.
+fn strictly<T>(
+    command: &Fit,
+    record: BuildRecord,
+    write: impl Fn(&WriteOptions) -> Result<(T, Warnings), Error>,
+) -> Result<(T, Warnings), Error> {
+    let options = WriteOptions { force: command.force, record: Some(record), ..WriteOptions::default() };
+    if command.strict {
+        write(&WriteOptions { dry_run: true, ..options.clone() })?.1.strict()?;
+    }
+    write(&options)
 }
 
 fn add_trims(garments: &mut [Done], trims: Vec<BoundTrim>) {

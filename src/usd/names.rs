@@ -21,6 +21,7 @@ pub const SKEL_BINDING_API: &str = "SkelBindingAPI";
 
 // Attributes and relationships of meshes, subsets and blend shapes.
 pub const POINTS: &str = "points";
+pub const CURVE_VERTEX_COUNTS: &str = "curveVertexCounts";
 pub const FACE_VERTEX_COUNTS: &str = "faceVertexCounts";
 pub const FACE_VERTEX_INDICES: &str = "faceVertexIndices";
 pub const EXTENT: &str = "extent";

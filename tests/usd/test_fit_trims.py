@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import run
 from fitting import fit, tube, write_tube
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 from sources import BOX, define_mesh, vec3f
 from surface import point_triangle
 from tailor_file import holder, needs_plugin, recipe
@@ -197,6 +197,12 @@ def test_each_trim_goes_with_the_nearest_garment(usdtailor, scene):
     found = {garment["prim"]: [trim["prim"] for trim in garment["trims"]] for garment in json.loads(report.read_text())["garments"]}
     assert found == {"/Coat/lining": [], "/Coat/model": [f"/Coat/trims/{name}" for name in sorted(POINTS)]}
     assert np.abs(frames(after, world(after, "tape"))[0] - 0.05).max() < 0.08
+    # Far from one of two garments is not far from cloth.
+    stage.RemovePrim("/Coat/lining")
+    define_mesh(stage, "/Coat/cuff", np.array([[0, 4.8, 3.1], [0.5, 4.8, 3.1], [0.5, 5, 3.1], [0, 5, 3.1]]), [[0, 1, 2, 3]])
+    stage.Save()
+    _, done = fitted(usdtailor, scene, *args, out="two.usda")
+    assert "trim-off-cloth" not in done.stderr
 
 
 def test_small_meshes_of_a_file_are_taken_along(usdtailor, scene):
@@ -225,6 +231,143 @@ def test_trims_that_stay_are_named(usdtailor, scene):
     assert (own(stays, "buttons") == own(stage, "buttons")).all()
     _, done = fitted(usdtailor, scene, "--prim", "/Coat/model", "--set", "trim.all.prims=nothing", out="no.usda", code=1)
     assert "/Coat/nothing is not a prim" in done.stderr and not (scene / "no.usda").exists()
+
+
+def edited(scene):
+    return Usd.Stage.Open(str(scene / "coat.usda"))
+
+
+def button(stage, path="/Coat/b", angle=0.3, height=3.0, above=0.05):
+    at = on_garment(angle, height, above)
+    return define_mesh(stage, path, at + 0.1 * np.array([[v & 1, v >> 1 & 1, v >> 2 & 1] for v in range(8)]), BOX)
+
+
+ONE = ("--prim", "/Coat/model", "--set", "trim.b.prims=b")
+
+
+def middle(stage, path="/Coat/b"):
+    prim = stage.GetPrimAtPath(path)
+    points = np.array(prim.GetAttribute("points").Get(), float).mean(0)
+    return np.append(points, 1) @ np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0)) if prim else None
+
+
+def test_what_other_variants_have_is_told(usdtailor, scene):
+    stage = edited(scene)
+    mesh = button(stage)
+    points = np.array(mesh.GetPointsAttr().Get())
+    mesh.GetPointsAttr().Clear()
+    styles = stage.GetPrimAtPath("/Coat").GetVariantSets().AddVariantSet("style")
+    for name, shift in (("high", 0.3), ("low", -0.3)):
+        styles.AddVariant(name)
+        styles.SetVariantSelection(name)
+        with styles.GetVariantEditContext():
+            stage.OverridePrim("/Coat/b").GetAttribute("points").Set(vec3f(points + [0, shift, 0]))
+    stage.Save()
+    _, done = fitted(usdtailor, scene, *ONE)
+    assert "warning[frozen-variant]: /Coat/b: the fit keeps" in done.stderr and "points" in done.stderr and "style=low" in done.stderr
+
+
+def test_motion_of_trims_is_an_error_where_warnings_are(usdtailor, scene):
+    stage = edited(scene)
+    points = button(stage).GetPointsAttr()
+    for time in (1, 2):
+        points.Set(points.Get(), time)
+    stage.Save()
+    for args in ((), ("--variant-set", "body")):
+        _, done = fitted(usdtailor, scene, *ONE, "--strict", *args, out="strict.usda", code=1)
+        assert "the motion of /Coat/b.points" in done.stderr and not (scene / "strict.usda").exists()
+
+
+def test_prototypes_move_with_their_instances(usdtailor, scene):
+    stage = edited(scene)
+    stage.GetPrimAtPath("/Coat/trims/studs").GetRelationship("prototypes").SetTargets(["/Coat/trims/proto"])
+    define_mesh(stage, "/Coat/trims/proto", np.eye(3) * 0.1, [[0, 1, 2]])
+    stage.Save()
+    after, done = fitted(usdtailor, scene, *TRIMS)
+    proto = [np.array(each.GetPrimAtPath("/Coat/trims/proto").GetAttribute("points").Get()) for each in (stage, after)]
+    assert (proto[0] == proto[1]).all() and "/Coat/trims/proto" not in done.stdout + done.stderr
+
+
+def test_patches_and_ribbons_go_along(usdtailor, scene):
+    stage = edited(scene)
+    patch = UsdGeom.NurbsPatch.Define(stage, "/Coat/b/patch")
+    patch.CreatePointsAttr(vec3f(on_garment(np.repeat(np.linspace(1, 1.5, 4), 4), np.tile(np.linspace(2, 3, 4), 4), 0.05)))
+    ribbons = UsdGeom.BasisCurves.Define(stage, "/Coat/b/ribbons")
+    ribbons.CreatePointsAttr(vec3f(np.concatenate([on_garment(np.linspace(0, 1, 4), height, 0.05) for height in (4, 4.2)])))
+    ribbons.CreateCurveVertexCountsAttr([4, 4])
+    ribbons.CreateNormalsAttr([(0, 0, 1), (0, 0, 1)])
+    ribbons.SetNormalsInterpolation("uniform")
+    stage.Save()
+    after, done = fitted(usdtailor, scene, *ONE)
+    assert "warning" not in done.stderr
+    for name in ("patch", "ribbons"):
+        assert frames(after, np.array(after.GetPrimAtPath(f"/Coat/b/{name}").GetAttribute("points").Get(), float))[0].max() < 0.2, name
+    turned = np.array(after.GetPrimAtPath("/Coat/b/ribbons").GetAttribute("normals").Get())
+    assert (turned[:, 2] < 0.99).all() and np.linalg.norm(turned, axis=1) == pytest.approx([1, 1], abs=1e-5)
+
+
+def test_trims_are_those_of_the_time(usdtailor, scene):
+    stage = edited(scene)
+    button(stage)
+    move = UsdGeom.Xformable(stage.GetPrimAtPath("/Coat")).AddTranslateOp()
+    move.Set((50, 0, 0))
+    move.Set((0, 0, 0), 1)
+    stage.Save()
+    after, done = fitted(usdtailor, scene, *ONE, "--time", "1")
+    own = np.array(after.GetPrimAtPath("/Coat/b").GetAttribute("points").Get(), float)
+    assert frames(after, own)[0].max() < 0.3 and "trim-off-cloth" not in done.stderr
+
+
+def test_rotations_of_zeros_turn_nothing(usdtailor, scene):
+    stage = edited(scene)
+    studs = UsdGeom.PointInstancer(stage.GetPrimAtPath("/Coat/trims/studs"))
+    studs.GetOrientationsfAttr().Clear()
+    studs.GetOrientationsAttr().Set([Gf.Quath(0, 0, 0, 0), Gf.Quath(1, 0, 0, 0)])
+    stage.Save()
+    after, _ = fitted(usdtailor, scene, *TRIMS)
+    found = UsdGeom.PointInstancer(after.GetPrimAtPath("/Coat/trims/studs")).ComputeInstanceTransformsAtTime(0, 0)
+    assert np.isfinite([np.array(m) for m in found]).all()
+
+
+def test_a_trim_of_another_garment_stays_and_is_named(usdtailor, scene):
+    stage = edited(scene)
+    button(stage)
+    stage.Save()
+    after, done = fitted(usdtailor, scene, *ONE, "--set", "trim.b.on=/Coat/nothing")
+    assert "/Coat/b" in done.stderr and "/Coat/nothing, on which it rides, is not fitted" in done.stderr
+    assert (middle(after) == middle(stage)).all()
+    # Of two options, one moves it.
+    args = ("--set", "trim.a.prims=b", "--set", "trim.a.mode=none")
+    after, done = fitted(usdtailor, scene, *ONE, *args, out="both.usda")
+    assert "mode is none" not in done.stderr and np.abs(middle(after) - middle(stage)).max() > 0.4
+
+
+def test_trims_of_a_garment_that_is_not_fitted_stay(usdtailor, scene):
+    stage = edited(scene)
+    for key, name in (("from", "thin"), ("to", "thick")):
+        stage.GetPrimAtPath("/Coat/model").CreateAttribute(f"tailor:fit:{key}", Sdf.ValueTypeNames.Asset).Set(f"{name}.usda")
+    (points, counts, corners), _ = tube(3.5, 10.0, 24, 10)
+    define_mesh(stage, "/Coat/cape", points, corners.reshape(-1, 4)).CreateSubdivisionSchemeAttr("catmullClark")
+    button(stage, above=0.5)
+    button(stage, "/Coat/c", above=0.05)
+    stage.Save()
+    args = ("--all", "--exclude", "/Coat/trims", "--exclude", "/Coat/b", "--exclude", "/Coat/c", "--set", "trim.b.prims=/Coat/b,/Coat/c")
+    done = run(usdtailor, "build", scene / "coat.usda", "-o", scene / "out.usda", *QUICK, *args)
+    assert done.returncode == 0, done.stderr
+    built = Usd.Stage.Open(str(scene / "out.usda"))
+    targets = [str(built.GetPrimAtPath(path).GetRelationship("tailor:bindTarget").GetTargets()[0]) for path in ("/Coat/b", "/Coat/c")]
+    assert targets == ["/Coat/cape_sim", "/Coat/model_sim"]
+    assert (middle(built) == middle(stage)).all() and np.abs(middle(built, "/Coat/c") - middle(stage, "/Coat/c")).max() > 0.4
+
+
+def test_a_trim_beside_the_root_of_variants_is_named(usdtailor, scene):
+    stage = edited(scene)
+    button(stage, "/Other/b")
+    stage.Save()
+    args = ("--prim", "/Coat/model", "--set", "trim.b.prims=/Other/b", "--variant-set", "body")
+    _, done = fitted(usdtailor, scene, *args)
+    assert "/Other/b: not carried" in done.stderr and "rigid" not in done.stdout
+    fitted(usdtailor, scene, *args, "--strict", out="strict.usda", code=1)
 
 
 @needs_plugin

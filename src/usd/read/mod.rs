@@ -33,4 +33,4 @@ pub use shapes::BlendShape;
 pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{transforms, world_of};
 pub use trims::{FittedTrim, TrimPrim, has_points, points_name, trim_path, trims};
-pub use variants::{Selection, VariantSet, choices_of, flattened_variants, select};
+pub use variants::{Selection, VariantSet, choices_of, flattened_variants, frozen_trim, select};

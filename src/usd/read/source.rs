@@ -18,6 +18,7 @@ use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use glam::Vec3;
+use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
 #[cfg(feature = "preview")]
@@ -98,6 +99,8 @@ pub struct FittedPoints {
     pub time: Option<f64>,
     /// The trims that ride on it.
     pub trims: Vec<FittedTrim>,
+    /// Those that ride on another mesh, and the path of that mesh.
+    pub elsewhere: Vec<(sdf::Path, String)>,
 }
 
 impl Source {

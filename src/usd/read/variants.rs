@@ -138,14 +138,39 @@ pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<W
         }
     }
     let is_built = |set: &Selection| built.iter().any(|built| built.set == set.set && built.prim == set.prim);
-    let open = sets.iter().filter(|set| set.choices.len() > 1 && !is_built(&set.selected));
+    let open = sets.iter().filter(|set| !is_built(&set.selected));
+    Ok(frozen_sets(mesh, open, &kept, "products keep", |set| {
+        format!("Build with --variants {set}, or once for each selection")
+    }))
+}
+
+/// The note that a trim on another body has what it has of the selected variants, among the `changed` properties.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn frozen_trim(trim: &Prim, changed: &BTreeSet<&str>) -> Result<Warnings, Error> {
+    let mut kept: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (property, of) in varied_properties(trim)?.into_iter().filter(|(name, _)| changed.contains(name.as_str())) {
+        of.into_iter().for_each(|set| _ = kept.entry(set).or_default().insert(property.clone()));
+    }
+    let sets = if kept.is_empty() { Vec::new() } else { variant_sets(trim)? };
+    Ok(frozen_sets(trim, sets.iter(), &kept, "the fit keeps", |set| format!("Fit once for each selection of {set}")))
+}
+
+/// The notes of sets with several variants that have properties which are kept, by set.
+fn frozen_sets<'a>(
+    prim: &Prim,
+    sets: impl Iterator<Item = &'a VariantSet>,
+    kept: &BTreeMap<String, BTreeSet<String>>,
+    who: &str,
+    remedy: impl Fn(&str) -> String,
+) -> Warnings {
     let note = |VariantSet { selected: Selection { set, choice, .. }, .. }: &VariantSet| {
         let properties = listed(&kept.get(set)?.iter().collect::<Vec<_>>());
-        let problem = format!("products keep {properties} of {set}={choice}, also where another variant is selected");
-        let remedy = format!("Build with --variants {set}, or once for each selection");
-        Some(Warning::new(Code::FrozenVariant, mesh.path(), problem).remedy(remedy))
+        let problem = format!("{who} {properties} of {set}={choice}, also where another variant is selected");
+        Some(Warning::new(Code::FrozenVariant, prim.path(), problem).remedy(remedy(set)))
     };
-    Ok(open.filter_map(note).collect())
+    sets.filter(|set| set.choices.len() > 1).filter_map(note).collect()
 }
 
 /// The note that a flattened output has no variants. None where the stage has none to select.

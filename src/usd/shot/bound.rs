@@ -14,7 +14,7 @@ use glam::{DMat4, Quat, Vec3};
 use openusd::gf::{Quath, f16};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
-use openusd::usd::{Prim, Stage};
+use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -119,7 +119,7 @@ impl Bound {
         let triangles = triangles(&sim)?;
         let frames = Arc::new(BindFrames::new(&sim_points, &triangles)?);
         let to_world = transforms(&sim, None)?.to_world;
-        let bind = Bind { to_world, points: &sim_points, triangles: &triangles, frames: &frames };
+        let bind = Bind { to_world, time: None, points: &sim_points, triangles: &triangles, frames: &frames };
         let mut meshes = Vec::with_capacity(chosen.meshes.len());
         for mesh in &chosen.meshes {
             meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
@@ -178,6 +178,8 @@ fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> 
 pub struct Bind<'a> {
     /// From its space to the stage's.
     pub to_world: DMat4,
+    /// The time of what is bound.
+    pub time: Option<TimeCode>,
     pub points: &'a [Vec3],
     pub triangles: &'a [[u32; 3]],
     pub frames: &'a Arc<BindFrames>,
@@ -241,7 +243,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
 impl BoundPrim {
     /// Reads a prim with these points at bind and places on what moves it.
     pub fn read(prim: &Prim, points: &[Vec3], places: &Binding, bind: &Bind) -> Result<Self, Error> {
-        let space = Space::between(prim, bind.to_world)?;
+        let space = Space::between(prim, bind.to_world, bind.time)?;
         let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
         let pose = BindPose {
             sim_points: bind.points,
@@ -253,7 +255,7 @@ impl BoundPrim {
         let driver = Driver::sharing(bind.frames, &pose)?;
         let schemas = prim.authored_api_schemas().or_unreadable(prim.path())?;
         let is_skinned = schemas.iter().any(|schema| schema.as_str() == names::SKEL_BINDING_API);
-        let mut normals = normals(prim, points.len())?;
+        let mut normals = normals(prim, points.len(), bind.time)?;
         if let (Some(space), Some(normals)) = (&space, &mut normals) {
             space.normals_to_sim(&mut normals.values);
         }
@@ -263,8 +265,8 @@ impl BoundPrim {
             is_skinned,
             points: points.len(),
             normals,
-            orientations: orientations(prim, points.len())?,
-            reach: reach(prim, points)?,
+            orientations: orientations(prim, points.len(), bind.time)?,
+            reach: reach(prim, points, bind.time)?,
             stale: stale(prim)?,
             space,
             driver,
@@ -273,11 +275,11 @@ impl BoundPrim {
 }
 
 /// The rotations of instances; none of other prims.
-fn orientations(prim: &Prim, count: usize) -> Result<Option<Vec<Quat>>, Error> {
+fn orientations(prim: &Prim, count: usize, time: Option<TimeCode>) -> Result<Option<Vec<Quat>>, Error> {
     if !is_a(prim, names::POINT_INSTANCER)? {
         return Ok(None);
     }
-    let mut all = match (value(prim, names::ORIENTATIONS_F, None)?, value(prim, names::ORIENTATIONS, None)?) {
+    let mut all = match (value(prim, names::ORIENTATIONS_F, time)?, value(prim, names::ORIENTATIONS, time)?) {
         (Some(Value::QuatfVec(all)), _) if !all.is_empty() => {
             all.iter().map(|q| Quat::from_xyzw(q.x, q.y, q.z, q.w)).collect()
         }
@@ -288,15 +290,17 @@ fn orientations(prim: &Prim, count: usize) -> Result<Option<Vec<Quat>>, Error> {
         _ => Vec::new(),
     };
     all.resize(count, Quat::IDENTITY);
-    Ok(Some(all))
+    // To USD, a quaternion of zeros turns nothing.
+    let is_turn = |q: &Quat| q.length_squared() > 0.0 && q.is_finite();
+    Ok(Some(all.into_iter().map(|q| if is_turn(&q) { q } else { Quat::IDENTITY }).collect()))
 }
 
 /// How far a prim reaches beyond its points at bind: not at all for a mesh, otherwise as its authored extent does.
-fn reach(prim: &Prim, points: &[Vec3]) -> Result<Option<f32>, Error> {
+fn reach(prim: &Prim, points: &[Vec3], time: Option<TimeCode>) -> Result<Option<f32>, Error> {
     if is_a(prim, names::MESH)? {
         return Ok(Some(0.0));
     }
-    let Some(Value::Vec3fVec(authored)) = value(prim, names::EXTENT, None)? else { return Ok(None) };
+    let Some(Value::Vec3fVec(authored)) = value(prim, names::EXTENT, time)? else { return Ok(None) };
     let ([low, high], [own_low, own_high]) = (&authored[..], &extent(points)[..]) else { return Ok(None) };
     let [low, high, own_low, own_high] = [low, high, own_low, own_high].map(|p| Vec3::from(<[f32; 3]>::from(*p)));
     Ok(Some((own_low - low).max(high - own_high).max_element().max(0.0)))
@@ -320,21 +324,26 @@ fn stale(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
 }
 
 /// The authored normals of curves, or of a mesh that is not a subdivision surface; none where one normal is for all points.
-fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
+fn normals(prim: &Prim, points: usize, time: Option<TimeCode>) -> Result<Option<BoundNormals>, Error> {
     let scheme = value(prim, names::SUBDIVISION_SCHEME, None)?;
-    let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, None)? else { return Ok(None) };
+    let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, time)? else { return Ok(None) };
     let is_polygonal = matches!(scheme, Some(Value::Token(scheme)) if scheme.as_str() == "none");
     if !is_polygonal && is_a(prim, names::MESH)? {
         return Ok(None);
     }
     let attribute = prim.attribute(names::NORMALS);
     let interpolation = attribute.get_metadata::<Token>(names::INTERPOLATION).or_unreadable(prim.path())?;
-    let corners = || ints(prim, names::FACE_VERTEX_INDICES);
+    let all = || (0..points as i32).collect::<Vec<_>>();
+    let is_mesh = is_a(prim, names::MESH)?;
+    let corners = || if is_mesh { ints(prim, names::FACE_VERTEX_INDICES) } else { Ok(all()) };
     let of = match interpolation.as_ref().map(Token::as_str) {
         Some("constant") => return Ok(None),
         Some("faceVarying") => corners()?,
-        Some("uniform") => first_corners(&corners()?, &ints(prim, names::FACE_VERTEX_COUNTS)?),
-        _ => (0..points as i32).collect(),
+        Some("uniform") => {
+            let counts = if is_mesh { names::FACE_VERTEX_COUNTS } else { names::CURVE_VERTEX_COUNTS };
+            first_corners(&corners()?, &ints(prim, counts)?)
+        }
+        _ => all(),
     };
     if of.len() != values.len() || !of.iter().all(|v| (0..points as i32).contains(v)) {
         let text = format!("{} normals of {} do not fit its {points} points and its faces", values.len(), prim.path());
@@ -346,7 +355,7 @@ fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     Ok(Some(BoundNormals { values, points: of.iter().map(|v| *v as u32).collect() }))
 }
 
-/// The first vertex of each face.
+/// The first vertex of each face or curve.
 fn first_corners(corners: &[i32], counts: &[i32]) -> Vec<i32> {
     let starts = counts.iter().scan(0, |next, n| {
         let start = *next;

@@ -13,8 +13,8 @@ use crate::usd::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, prim_a
 use crate::usd::write::off_cloth;
 use glam::{Quat, Vec3};
 use openusd::sdf::Value;
-use openusd::usd::Stage;
-use std::collections::{BTreeMap, BTreeSet};
+use openusd::usd::{Stage, TimeCode};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 impl Source {
@@ -34,53 +34,56 @@ impl Source {
             let text = format!("{} new points for a garment of {}", points.len(), mesh.points.len());
             return Err(Error::usd(text).code(ErrorCode::ValueCount).remedy("give one for each of its points"));
         }
+        let mut fitted = FittedPoints { points, time, trims: Vec::new(), elsewhere: Vec::new() };
         let mut warnings = Warnings::default();
-        let trims = if options.is_empty() {
-            Vec::new()
-        } else {
-            warnings.absorb(on_large_stack(|| fitted_trims(&self.model, mesh, &points, options))?)
-        };
-        self.fitted = Some(Arc::new(FittedPoints { points, time, trims }));
+        if !options.is_empty() {
+            warnings = on_large_stack(|| take_along(&mut fitted, &self.model, mesh, options))?;
+        }
+        self.fitted = Some(Arc::new(fitted));
         Ok(warnings)
     }
 }
 
-/// The trims that options name, with the garment of `mesh` at `points`. Each is once among them.
-fn fitted_trims(
+/// Adds the trims that options name to a garment that was as `mesh` is, each once.
+fn take_along(
+    fitted: &mut FittedPoints,
     model: &Model,
     mesh: &Mesh,
-    points: &[Vec3],
     options: &BTreeMap<String, TrimOptions>,
-) -> Result<(Vec<FittedTrim>, Warnings), Error> {
-    let stage = model.origin.open()?;
-    let cage = triangulated(mesh);
-    let way = Way::new(model, &cage, points)?;
-    let (mut fitted, mut known, mut warnings) = (Vec::new(), BTreeSet::new(), Warnings::default());
+) -> Result<Warnings, Error> {
+    let (stage, cage) = (model.origin.open()?, triangulated(mesh));
+    let way = Way::new(model, &cage, fitted)?;
+    let (mut moved, mut staying, mut elsewhere) = (BTreeMap::new(), Vec::new(), Vec::new());
+    let mut warnings = Warnings::default();
     for (name, TrimOptions { prims, mode, on }) in options {
-        if !on.is_empty() && !model.panels.iter().any(|panel| panel.as_str() == on) {
-            continue;
-        }
         for named in prims {
             let key = format!("trim.{name}.prims");
             let root = trim_path(model, &key, named)?;
-            if *mode == TrimMode::None {
-                let stays = Warning::not_carried(&root, "its mode is none, so that it stays where it is");
-                warnings.push(stays.remedy("Move it by hand, or give it another mode"));
+            if !on.is_empty() && !model.panels.iter().any(|panel| panel.as_str() == on) {
+                elsewhere.push((root, on.clone()));
                 continue;
             }
-            let found = warnings.absorb(trims(&stage, &model.origin.file, &key, &root)?);
-            for trim in found.into_iter().filter(|trim| known.insert(trim.path.clone())) {
+            if *mode == TrimMode::None {
+                staying.push(root);
+                continue;
+            }
+            for trim in warnings.absorb(trims(&stage, &model.origin.file, &key, &root, way.time)?) {
+                if moved.contains_key(&trim.path) {
+                    continue;
+                }
                 match way.moved(&stage, name, &trim, *mode) {
-                    Ok(moved) => {
-                        warnings.extend(off_cloth(&moved.path, &moved.ride, &model.path, way.size));
-                        fitted.push(moved);
-                    }
+                    Ok(trim) => _ = moved.insert(trim.path.clone(), trim),
                     Err(error) => warnings.push(Warning::unread(&trim.path, &error)),
                 }
             }
         }
     }
-    Ok((fitted, warnings))
+    for root in staying.iter().filter(|root| !moved.keys().any(|path| path.has_prefix(root))) {
+        let stays = Warning::not_carried(root, "its mode is none, so that it stays where it is");
+        warnings.push(stays.remedy("Move it by hand, or give it another mode"));
+    }
+    (fitted.trims, fitted.elsewhere) = (moved.into_values().collect(), elsewhere);
+    Ok(warnings)
 }
 
 /// The faces of a garment as triangles.
@@ -101,29 +104,31 @@ struct Way<'a> {
     points: &'a [Vec3],
     triangles: Vec<[u32; 3]>,
     frames: Arc<BindFrames>,
-    to: &'a [Vec3],
+    to: Vec<Vec3>,
     rotations: Vec<Quat>,
+    time: Option<TimeCode>,
 }
 
 impl<'a> Way<'a> {
-    fn new(model: &'a Model, cage: &'a Mesh, to: &'a [Vec3]) -> Result<Self, Error> {
+    fn new(model: &'a Model, cage: &'a Mesh, fitted: &FittedPoints) -> Result<Self, Error> {
         let triangle = |face| [0, 1, 2].map(|k| cage.faces.vertices_of(face)[k].index() as u32);
         let triangles: Vec<[u32; 3]> = cage.faces.ids().map(triangle).collect();
         let points = cage.points.as_slice();
         let frames = Arc::new(BindFrames::new(points, &triangles)?);
-        let rotations = frames.rotations(to);
+        let (to, time) = (fitted.points.clone(), fitted.time.map(TimeCode::new));
+        let rotations = frames.rotations(&to);
         let (surface, size) = (BindSurface::new(cage), cage.size());
-        Ok(Self { model, surface, size, points, triangles, frames, to, rotations })
+        Ok(Self { model, surface, size, points, triangles, frames, to, rotations, time })
     }
 
     /// A trim where the garment takes it.
     fn moved(&self, stage: &Stage, name: &str, trim: &TrimPrim, mode: TrimMode) -> Result<FittedTrim, Error> {
         let shape = trim.beside(self.model);
         let (places, ride) = shape.bound(mode, &self.surface, self.size);
-        let to_world = self.model.transforms.to_world;
-        let bind = Bind { to_world, points: self.points, triangles: &self.triangles, frames: &self.frames };
+        let (to_world, time) = (self.model.transforms.to_world, self.time);
+        let bind = Bind { to_world, time, points: self.points, triangles: &self.triangles, frames: &self.frames };
         let bound = BoundPrim::read(&prim_at(stage, &trim.path)?, &trim.shape.points, &places, &bind)?;
-        let driven = bound.driven(self.to, &self.rotations, None);
+        let driven = bound.driven(&self.to, &self.rotations, None);
         if !driven.points.iter().all(|point| point.is_finite()) {
             return Err(Error::usd("it is too far from the cloth to be bound"));
         }
@@ -134,9 +139,11 @@ impl<'a> Way<'a> {
             path: trim.path.clone(),
             name: name.to_owned(),
             distance: shape.distance(&self.surface),
+            off_cloth: off_cloth(&trim.path, &ride, &self.model.path, self.size),
             ride,
             values: changed.chain(blocked).collect(),
             points: driven.points,
+            to_world: trim.to_world,
         })
     }
 }

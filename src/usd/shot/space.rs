@@ -3,7 +3,7 @@
 use crate::error::{Error, ErrorCode};
 use crate::usd::read::transforms;
 use glam::{DMat3, DMat4, DQuat, DVec3, Quat, Vec3};
-use openusd::usd::Prim;
+use openusd::usd::{Prim, TimeCode};
 
 /// The transform from a mesh to the simulation mesh.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,12 @@ pub struct Space {
 }
 
 impl Space {
-    /// The space of `mesh`; none if it is that of the simulation mesh, which `of_sim` takes to that of the stage.
+    /// The space of `mesh` at a time; none if it is that of the simulation mesh, which `of_sim` takes to that of the stage.
     ///
     /// # Errors
     /// A transform that flattens one of them.
-    pub fn between(mesh: &Prim, of_sim: DMat4) -> Result<Option<Self>, Error> {
-        let own = transforms(mesh, None)?.to_world;
+    pub fn between(mesh: &Prim, of_sim: DMat4, time: Option<TimeCode>) -> Result<Option<Self>, Error> {
+        let own = transforms(mesh, time)?.to_world;
         if own == of_sim {
             return Ok(None);
         }

@@ -1,46 +1,53 @@
 //! A fitted garment as a layer over its stage.
 
-use super::layer::{LayerContext, overlay};
+use super::layer::{LayerContext, WriteOptions, overlay};
 use super::product::{Author, extent};
 use super::role::SetChoice;
 use super::save::OutputFile;
-use super::trims::{BoundTrim, fitted_trims};
+use super::trims::{BoundTrim, FittedTrims, fitted_trims};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::read::{
-    FittedPoints, Model, OrUnreadable, Selection, Source, points_name, prim_at, property_names, transforms, value,
+    FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, frozen_trim, points_name, prim_at,
+    property_names, transforms, value,
 };
-use crate::usd::{BuildRecord, names, on_large_stack};
+use crate::usd::{names, on_large_stack};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::Path;
 
-/// Writes the new points of garments of one stage, and those of their trims, as a layer over it, with a record of what they were made
-/// of. Authored normals of garments are blocked, since they are of the old points. Returns the trims. See [`Source::set_fitted`].
+/// Writes the new points of garments of one stage, and those of their trims, as a layer over it. Authored normals of garments are
+/// blocked, since they are of the old points. Of the options, `force`, `dry_run` and `record` count. Returns the trims. See
+/// [`Source::set_fitted`].
 ///
 /// # Errors
 /// A file that may not or cannot be written.
 pub fn write_fitted(
     garments: &[&Source],
-    record: &BuildRecord,
     out: &Path,
-    force: bool,
+    options: &WriteOptions,
 ) -> Result<(Vec<BoundTrim>, Warnings), Error> {
     let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
     let model = &first.model;
-    let file = OutputFile::find(out, |file| model.uses(file), force)?;
+    let file = OutputFile::find(out, |file| model.uses(file), options.force)?;
     on_large_stack(|| {
         let (stage, anchor) = (model.origin.open()?, file.anchor());
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
         let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::None };
-        let (trims, motions) = author.fitted(&stage, garments)?;
-        record.author(&mut data)?;
-        let (_, mut warnings) = file.save(data)?;
-        warnings.extend(motions);
+        let (trims, mut warnings) = author.fitted_alone(&stage, garments)?;
+        warnings.extend(save(&file, data, options)?);
         Ok((trims, warnings))
     })
+}
+
+/// Writes a layer with the record of what it was made of.
+fn save(file: &OutputFile, mut data: sdf::Data, options: &WriteOptions) -> Result<Warnings, Error> {
+    if let Some(record) = &options.record {
+        record.author(&mut data)?;
+    }
+    Ok(if options.dry_run { file.rehearse(data)? } else { file.save(data)? }.1)
 }
 
 /// A body of a variant set, and the garments on it.
@@ -59,26 +66,31 @@ pub struct BodyChoice<'a> {
 pub fn write_bodies(
     set: &str,
     choices: &[BodyChoice],
-    record: &BuildRecord,
     out: &Path,
-    force: bool,
+    options: &WriteOptions,
 ) -> Result<(Vec<Vec<BoundTrim>>, Warnings), Error> {
     let garments = choices.iter().flat_map(|choice| &choice.garments);
     let first = garments.into_iter().next().ok_or_else(|| Error::internal("there is no garment to write"))?;
     let model = &first.model;
-    let file = OutputFile::find(out, |file| model.uses(file), force)?;
+    let file = OutputFile::find(out, |file| model.uses(file), options.force)?;
     on_large_stack(|| {
         let (stage, anchor) = (model.origin.open()?, file.anchor());
         let context = LayerContext { flatten: false, anchor, sublayer: None };
         let above = model.path.strict_ancestors_below_root().last().unwrap_or_else(|| model.path.clone());
         let mut data = overlay(model, context)?;
         refer(&mut data, &above).or_unreadable(&above)?;
-        let (mut trims, mut motions) = (Vec::with_capacity(choices.len()), Warnings::default());
+        let (mut trims, mut warnings) = (Vec::with_capacity(choices.len()), Warnings::default());
         for choice in choices {
             let mut part = overlay(model, context)?;
             PrimSpec::over(&mut part, &above).or_unreadable(&above)?;
             let mut author = Author { data: &mut part, model, anchor, is_overlay: true, sets: SetChoice::None };
-            trims.push(motions.absorb(author.fitted(&stage, &choice.garments)?));
+            let (within, without): (Vec<_>, Vec<_>) = warnings
+                .absorb(author.fitted_alone(&stage, &choice.garments)?)
+                .into_iter()
+                .partition(|trim| sdf::Path::new(&trim.prim).is_ok_and(|path| path.has_prefix(&above)));
+            trims.push(within);
+            let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
+            warnings.extend(without.into_iter().map(|trim| Warning::not_carried(trim.prim, &why)));
             let selection =
                 Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
             copy_into_variant(&mut data, &part, &[&selection]).map_err(|e| bad_name(&selection, &e))?;
@@ -86,14 +98,12 @@ pub fn write_bodies(
         let chosen = choices.first().map(|choice| choice.name.to_owned()).unwrap_or_default();
         let selected = Value::VariantSelectionMap([(set.to_owned(), chosen)].into());
         data.set_field(&above, FieldKey::VariantSelection.as_str(), selected);
-        record.author(&mut data)?;
-        let (_, mut warnings) = file.save(data)?;
+        warnings.extend(save(&file, data, options)?);
         let others = prim_at(&stage, &sdf::Path::abs_root())?.child_names().or_unreadable(&above)?;
         for name in others.iter().filter(|name| above.name() != Some(name.as_str())) {
             let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
             warnings.push(Warning::not_carried(format!("/{name}"), why));
         }
-        warnings.extend(motions);
         Ok((trims, warnings))
     })
 }
@@ -119,25 +129,51 @@ fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
 }
 
 impl Author<'_> {
-    /// Authors the new points of garments, and those of their trims. Warns of points that move, which those of one time hide.
-    pub(super) fn fitted(&mut self, stage: &Stage, garments: &[&Source]) -> Result<(Vec<BoundTrim>, Warnings), Error> {
-        let (mut trims, mut warnings) = (Vec::new(), Warnings::default());
+    /// As [`Author::fitted`], with all trims that these garments take along. Warns of those that ride on others.
+    fn fitted_alone(&mut self, stage: &Stage, garments: &[&Source]) -> Result<(Vec<BoundTrim>, Warnings), Error> {
+        let trims = fitted_trims(garments.iter().copied());
+        let mut warnings = self.fitted(stage, garments, &trims)?;
+        for (root, on) in garments.iter().filter_map(|source| source.fitted.as_deref()).flat_map(|of| &of.elsewhere) {
+            if !trims.keys().any(|path| path.has_prefix(root)) {
+                let why = format!("it stays where it is, as {on}, on which it rides, is not fitted");
+                warnings.push(Warning::not_carried(root, why).remedy("Name the mesh of a garment that is, or none"));
+            }
+        }
+        let bound = |(path, (garment, trim)): (&&sdf::Path, &(usize, &FittedTrim))| BoundTrim {
+            prim: path.to_string(),
+            name: trim.name.clone(),
+            garment: *garment,
+            ride: trim.ride.clone(),
+        };
+        Ok((trims.iter().map(bound).collect(), warnings))
+    }
+
+    /// Authors the new points of garments and of trims. Warns of points that move, which those of one time hide, and of what other
+    /// variants have.
+    pub(super) fn fitted(
+        &mut self,
+        stage: &Stage,
+        garments: &[&Source],
+        trims: &FittedTrims,
+    ) -> Result<Warnings, Error> {
+        let mut warnings = Warnings::default();
         for source in garments {
             if let Some(fitted) = source.fitted.as_deref() {
                 warnings.extend(self.fitted_panels(stage, &source.model, fitted)?);
             }
         }
-        for (path, (garment, trim)) in fitted_trims(garments.iter().copied()) {
+        for (_, trim) in trims.values() {
+            let path = &trim.path;
             PrimSpec::over(self.data, path).or_unreadable(path)?;
             for (name, kind, value) in &trim.values {
                 self.at_all_times(path, name, kind.clone(), value.clone()).or_unreadable(path)?;
             }
             let prim = prim_at(stage, path)?;
-            warnings.extend(motion(&prim, points_name(&prim)?)?);
-            let (prim, name, ride) = (path.to_string(), trim.name.clone(), trim.ride.clone());
-            trims.push(BoundTrim { prim, name, garment, ride });
+            warnings.extend(motion(&prim, points_name(&prim)?)?.into_iter().chain(trim.off_cloth.clone()));
+            let changed = trim.values.iter().map(|(name, ..)| name.as_str()).collect();
+            warnings.extend(frozen_trim(&prim, &changed)?);
         }
-        Ok((trims, warnings))
+        Ok(warnings)
     }
 
     fn fitted_panels(&mut self, stage: &Stage, model: &Model, fitted: &FittedPoints) -> Result<Warnings, Error> {

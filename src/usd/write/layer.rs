@@ -239,7 +239,7 @@ fn author(
     if let Some(Source { model, .. }) = fitted.first() {
         garments.iter().try_for_each(refuse_variant)?;
         let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
-        warnings.absorb(author.fitted(&model.origin.open()?, &fitted)?);
+        warnings.extend(author.fitted(&model.origin.open()?, &fitted, trims.fitted())?);
     }
     for garment in garments {
         let GarmentProducts { source, products, .. } = garment;

@@ -46,7 +46,11 @@ pub struct TrimBindings<'a> {
     garments: &'a [GarmentProducts<'a>],
     cloths: Vec<Option<Cloth<'a>>>,
     asked: BTreeMap<Path, Asked<'a>>,
+    fitted: FittedTrims<'a>,
 }
+
+/// Trims that garments on another body take along, each with the number of its garment.
+pub type FittedTrims<'a> = BTreeMap<&'a Path, (usize, &'a FittedTrim)>;
 
 impl<'a> TrimBindings<'a> {
     /// Reads the trims that recipes name.
@@ -55,13 +59,13 @@ impl<'a> TrimBindings<'a> {
     /// A prim that is not there, or that has no points.
     pub fn read(garments: &'a [GarmentProducts<'a>]) -> Result<(Self, Warnings), Error> {
         let mut warnings = Warnings::default();
-        let mut bindings = Self { garments, cloths: Vec::new(), asked: BTreeMap::new() };
+        let fitted = fitted_trims(garments.iter().map(|garment| garment.source));
+        let mut bindings = Self { garments, cloths: Vec::new(), asked: BTreeMap::new(), fitted };
         let options = |of: &GarmentProducts<'a>| of.products.iter().find_map(|product| product.trims);
         if garments.iter().all(|garment| options(garment).is_none_or(BTreeMap::is_empty)) {
             return Ok((bindings, warnings));
         }
         let stage = garments[0].source.model.origin.open()?;
-        let fitted = fitted_trims(garments.iter().map(|garment| garment.source));
         let mut read: BTreeMap<Path, Vec<Path>> = BTreeMap::new();
         for (number, garment) in garments.iter().enumerate() {
             bindings.cloths.push(Cloth::of(garment)?);
@@ -72,13 +76,10 @@ impl<'a> TrimBindings<'a> {
                     let root = trim_path(&garment.source.model, &key, named)?;
                     if !read.contains_key(&root) {
                         let file = &garment.source.model.origin.file;
-                        let found = warnings.absorb(trims(&stage, file, &key, &root)?);
+                        let found = warnings.absorb(trims(&stage, file, &key, &root, None)?);
                         read.insert(root.clone(), found.iter().map(|trim| trim.path.clone()).collect());
-                        for mut trim in found {
+                        for trim in found {
                             let path = trim.path.clone();
-                            if let Some((_, FittedTrim { points, .. })) = fitted.get(&path) {
-                                trim.shape = trim.shape.with_points(points.clone(), 1.0);
-                            }
                             bindings.asked.entry(path).or_insert(Asked { trim, by: Vec::new() });
                         }
                     }
@@ -89,7 +90,32 @@ impl<'a> TrimBindings<'a> {
                 }
             }
         }
+        bindings.follow_fits();
         Ok((bindings, warnings))
+    }
+
+    /// The trims that go to another body with their garment.
+    pub fn fitted(&self) -> &FittedTrims<'a> {
+        &self.fitted
+    }
+
+    /// Moves the trims that a fit takes along. Those that are nearer to a garment that stays are not among them.
+    fn follow_fits(&mut self) {
+        let Self { garments, cloths, asked, fitted } = self;
+        for (path, Asked { trim, by }) in asked {
+            let Some((_, taken)) = fitted.get(path) else { continue };
+            let is_nearer = |(garment, _, options): &(usize, &str, &TrimOptions)| {
+                let source = garments[*garment].source;
+                let cloth = cloths[*garment].as_ref().filter(|_| source.fitted.is_none() && is_on(source, options));
+                cloth.is_some_and(|cloth| trim.beside(cloth.model).distance(&cloth.surface) < taken.distance)
+            };
+            if by.iter().any(is_nearer) {
+                fitted.remove(path);
+            } else {
+                trim.shape = trim.shape.with_points(taken.points.clone(), 1.0);
+                trim.to_world = taken.to_world;
+            }
+        }
     }
 
     /// Authors where the points of each trim are bound, on the garment that its options name or that is nearest. Warns of trims that
@@ -100,10 +126,7 @@ impl<'a> TrimBindings<'a> {
     pub fn author(self, author: &mut Author, warnings: &mut Warnings) -> openusd::Result<Vec<BoundTrim>> {
         let mut bound = Vec::with_capacity(self.asked.len());
         for (path, Asked { trim, by }) in &self.asked {
-            let panels = |garment: usize| &self.garments[garment].source.model.panels;
-            let is_on =
-                |garment: usize, on: &str| on.is_empty() || panels(garment).iter().any(|panel| panel.as_str() == on);
-            let candidates = by.iter().filter(|(garment, _, options)| is_on(*garment, &options.on));
+            let candidates = by.iter().filter(|(garment, _, options)| is_on(self.garments[*garment].source, options));
             let candidates = candidates.filter_map(|by| {
                 let cloth = self.cloths[by.0].as_ref()?;
                 let shape = trim.beside(cloth.model);
@@ -142,9 +165,14 @@ pub fn off_cloth(trim: &Path, ride: &Ride, cloth: &Path, size: f32) -> Option<Wa
     (ride.gap > FARTHEST * size).then_some(warning)
 }
 
-/// The trims that garments on another body take along, each with the number of the garment that is nearest to it.
-pub fn fitted_trims<'a>(garments: impl IntoIterator<Item = &'a Source>) -> BTreeMap<&'a Path, (usize, &'a FittedTrim)> {
-    let mut nearest: BTreeMap<&Path, (usize, &FittedTrim)> = BTreeMap::new();
+/// Whether trims may ride on a garment.
+fn is_on(garment: &Source, options: &TrimOptions) -> bool {
+    options.on.is_empty() || garment.model.panels.iter().any(|panel| panel.as_str() == options.on)
+}
+
+/// The trims that garments on another body take along, each with the one that is nearest to it.
+pub fn fitted_trims<'a>(garments: impl IntoIterator<Item = &'a Source>) -> FittedTrims<'a> {
+    let mut nearest = FittedTrims::new();
     for (garment, source) in garments.into_iter().enumerate() {
         for trim in source.fitted.iter().flat_map(|fitted| &fitted.trims) {
             let known = nearest.entry(&trim.path).or_insert((garment, trim));

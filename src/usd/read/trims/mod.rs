@@ -14,12 +14,14 @@ use crate::usd::read::space::transforms;
 use crate::usd::{names, on_large_stack};
 use glam::{DMat4, Vec3};
 use openusd::sdf::{Path, Value, ValueTypeName};
-use openusd::usd::{Prim, PrimPredicate, Stage};
+use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use std::collections::BTreeMap;
 use std::path::Path as FilePath;
 
 /// Types of curves, which have the numbers of their points in `curveVertexCounts`.
 const CURVES: [&str; 3] = ["BasisCurves", "NurbsCurves", "HermiteCurves"];
+/// Other types with points.
+const WITH_POINTS: [&str; 5] = [names::MESH, names::POINT_INSTANCER, "Points", "NurbsPatch", "TetMesh"];
 /// Types of shapes that have no points.
 const WITHOUT_POINTS: [&str; 8] = ["Sphere", "Cube", "Cylinder", "Capsule", "Cone", "Plane", "Cylinder_1", "Capsule_1"];
 
@@ -45,8 +47,12 @@ pub struct FittedTrim {
     pub distance: f32,
     /// How it rides.
     pub ride: Ride,
+    /// The warning that it is away from the garment.
+    pub off_cloth: Option<Warning>,
     /// Its points there, in its own space.
     pub points: Vec<Vec3>,
+    /// From its own space to the stage's.
+    pub to_world: DMat4,
     /// The attributes that change, by name and type. A block is for one that holds no more.
     pub values: Vec<(String, ValueTypeName, Value)>,
 }
@@ -60,26 +66,29 @@ pub fn points_name(prim: &Prim) -> Result<&'static str, Error> {
 pub fn has_points(prim: &Prim) -> Result<bool, Error> {
     let kind = type_of(prim)?;
     let kind = kind.as_str();
-    Ok([names::MESH, names::POINT_INSTANCER, "Points"].contains(&kind) || CURVES.contains(&kind))
+    Ok(WITH_POINTS.contains(&kind) || CURVES.contains(&kind))
 }
 
-/// The trims at and below a prim.
+/// The trims at and below a prim, with their values at a time.
 ///
 /// # Errors
 /// A prim that is not there, or that holds nothing with points. `key` is the option that names it.
-pub fn trims(stage: &Stage, file: &FilePath, key: &str, root: &Path) -> Result<(Vec<TrimPrim>, Warnings), Error> {
+pub fn trims(
+    stage: &Stage,
+    file: &FilePath,
+    key: &str,
+    root: &Path,
+    time: Option<TimeCode>,
+) -> Result<(Vec<TrimPrim>, Warnings), Error> {
     let fault = |text: String| Error::recipe(key, text).code(ErrorCode::WrongPrim);
     if !prim_at(stage, root)?.is_valid().or_unreadable(root)? {
         let text = format!("{root} is not a prim of {}", file.display());
         return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
     }
     let (mut found, mut warnings) = (Vec::new(), Warnings::default());
-    let mut instancer: Option<Path> = None;
-    for path in prims_below(stage, root, file, PrimPredicate::DEFAULT, false)? {
-        // Prototypes move with their instances.
-        if instancer.as_ref().is_some_and(|above| path.has_prefix(above)) {
-            continue;
-        }
+    let below = prims_below(stage, root, file, PrimPredicate::DEFAULT, false)?;
+    let instances = Instances::of(stage, &below)?;
+    for path in below.into_iter().filter(|path| !instances.move_along(path)) {
         let prim = prim_at(stage, &path)?;
         if prim.is_instance().or_unreadable(&path)? {
             let problem = "it is an instance, in which no layer moves points";
@@ -88,10 +97,7 @@ pub fn trims(stage: &Stage, file: &FilePath, key: &str, root: &Path) -> Result<(
             let problem = format!("it is a {}, which has no points that cloth could move", type_of(&prim)?);
             warnings.push(Warning::not_carried(&path, problem).remedy("Make it a mesh"));
         } else if has_points(&prim)? && !is_below_product(stage, &path)? {
-            if type_of(&prim)? == names::POINT_INSTANCER {
-                instancer = Some(path.clone());
-            }
-            match check_instance(&prim).and_then(|()| TrimPrim::read(&prim)) {
+            match check_instance(&prim).and_then(|()| TrimPrim::read(&prim, time)) {
                 Ok(trim) if trim.shape.points.is_empty() => {}
                 Ok(trim) => found.push(trim),
                 Err(error) => warnings.push(Warning::unread(&path, &error)),
@@ -103,6 +109,32 @@ pub fn trims(stage: &Stage, file: &FilePath, key: &str, root: &Path) -> Result<(
         return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
     }
     Ok((found, warnings))
+}
+
+/// The PointInstancers among some prims, and their prototypes.
+struct Instances {
+    instancers: Vec<Path>,
+    prototypes: Vec<Path>,
+}
+
+impl Instances {
+    fn of(stage: &Stage, prims: &[Path]) -> Result<Self, Error> {
+        let mut found = Self { instancers: Vec::new(), prototypes: Vec::new() };
+        for path in prims {
+            let prim = prim_at(stage, path)?;
+            if type_of(&prim)? == names::POINT_INSTANCER {
+                found.prototypes.extend(prim.relationship("prototypes").targets().or_unreadable(path)?);
+                found.instancers.push(path.clone());
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether a prim moves with instances.
+    fn move_along(&self, prim: &Path) -> bool {
+        let is_below = |above: &Path| prim != above && prim.has_prefix(above);
+        self.instancers.iter().any(is_below) || self.prototypes.iter().any(|prototype| prim.has_prefix(prototype))
+    }
 }
 
 impl Source {
@@ -121,7 +153,7 @@ impl Source {
                 for named in &options.prims {
                     let key = format!("trim.{name}.prims");
                     let root = trim_path(&self.model, &key, named)?;
-                    let (all, _) = trims(&stage, &self.model.origin.file, &key, &root)?;
+                    let (all, _) = trims(&stage, &self.model.origin.file, &key, &root, None)?;
                     let ride = |trim: &TrimPrim| trim.beside(&self.model).ride(options.mode, size);
                     found.extend(all.iter().map(|trim| (trim.path.to_string(), ride(trim))));
                 }
@@ -159,13 +191,13 @@ impl TrimPrim {
         self.shape.with_points(points, to_model.determinant().abs().cbrt() as f32)
     }
 
-    fn read(prim: &Prim) -> Result<Self, Error> {
-        let to_world = transforms(prim, None)?.to_world;
+    fn read(prim: &Prim, time: Option<TimeCode>) -> Result<Self, Error> {
+        let to_world = transforms(prim, time)?.to_world;
         if !to_world.inverse().is_finite() {
             return Err(Error::usd(format!("{} has a transform that flattens it", prim.path()))
                 .remedy("give it scales that are not 0"));
         }
-        let points = match value(prim, points_name(prim)?, None).map_err(|e| without_time(&e))? {
+        let points = match value(prim, points_name(prim)?, time).map_err(|e| without_time(&e))? {
             Some(Value::Vec3fVec(points)) => bytemuck::cast_slice::<_, Vec3>(&points).to_vec(),
             _ => Vec::new(),
         };
@@ -182,10 +214,11 @@ impl TrimPrim {
             let corners: Vec<u32> = corners.into_iter().map(|vertex| vertex as u32).collect();
             TrimShape::of_mesh(points, &counts, &corners)
         } else if CURVES.contains(&kind.as_str()) {
-            TrimShape::of_parts(points, sizes(prim, "curveVertexCounts")?)
+            TrimShape::of_parts(points, sizes(prim, names::CURVE_VERTEX_COUNTS)?)
         } else {
             let count = points.len();
-            TrimShape::of_parts(points, vec![1; count])
+            let is_whole = ["NurbsPatch", "TetMesh"].contains(&kind.as_str());
+            TrimShape::of_parts(points, if is_whole { vec![count] } else { vec![1; count] })
         };
         Ok(Self { path: prim.path().clone(), shape, to_world })
     }
