@@ -79,6 +79,7 @@ pub fn write_bodies(
         let above = model.path.strict_ancestors_below_root().last().unwrap_or_else(|| model.path.clone());
         let mut data = overlay(model, context)?;
         refer(&mut data, &above).or_unreadable(&above)?;
+        let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
         let (mut trims, mut warnings) = (Vec::with_capacity(choices.len()), Warnings::default());
         for choice in choices {
             let mut part = overlay(model, context)?;
@@ -89,7 +90,6 @@ pub fn write_bodies(
                 .into_iter()
                 .partition(|trim| sdf::Path::new(&trim.prim).is_ok_and(|path| path.has_prefix(&above)));
             trims.push(within);
-            let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
             warnings.extend(without.into_iter().map(|trim| Warning::not_carried(trim.prim, &why)));
             let selection =
                 Selection { prim: above.as_str().to_owned(), set: set.to_owned(), choice: choice.name.to_owned() };
@@ -101,8 +101,7 @@ pub fn write_bodies(
         warnings.extend(save(&file, data, options)?);
         let others = prim_at(&stage, &sdf::Path::abs_root())?.child_names().or_unreadable(&above)?;
         for name in others.iter().filter(|name| above.name() != Some(name.as_str())) {
-            let why = format!("the variants refer to {above} alone; move it below that prim, or fit to a folder");
-            warnings.push(Warning::not_carried(format!("/{name}"), why));
+            warnings.push(Warning::not_carried(format!("/{name}"), &why));
         }
         Ok((trims, warnings))
     })

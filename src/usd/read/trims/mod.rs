@@ -15,7 +15,7 @@ use crate::usd::{names, on_large_stack};
 use glam::{DMat4, Vec3};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::path::Path as FilePath;
 
 /// Types of curves, which have the numbers of their points in `curveVertexCounts`.
@@ -113,18 +113,18 @@ pub fn trims(
 
 /// The PointInstancers among some prims, and their prototypes.
 struct Instances {
-    instancers: Vec<Path>,
-    prototypes: Vec<Path>,
+    instancers: HashSet<Path>,
+    prototypes: HashSet<Path>,
 }
 
 impl Instances {
     fn of(stage: &Stage, prims: &[Path]) -> Result<Self, Error> {
-        let mut found = Self { instancers: Vec::new(), prototypes: Vec::new() };
+        let mut found = Self { instancers: HashSet::new(), prototypes: HashSet::new() };
         for path in prims {
             let prim = prim_at(stage, path)?;
             if type_of(&prim)? == names::POINT_INSTANCER {
                 found.prototypes.extend(prim.relationship("prototypes").targets().or_unreadable(path)?);
-                found.instancers.push(path.clone());
+                found.instancers.insert(path.clone());
             }
         }
         Ok(found)
@@ -132,8 +132,8 @@ impl Instances {
 
     /// Whether a prim moves with instances.
     fn move_along(&self, prim: &Path) -> bool {
-        let is_below = |above: &Path| prim != above && prim.has_prefix(above);
-        self.instancers.iter().any(is_below) || self.prototypes.iter().any(|prototype| prim.has_prefix(prototype))
+        let moves = |above: Path| self.instancers.contains(&above) || self.prototypes.contains(&above);
+        self.prototypes.contains(prim) || prim.strict_ancestors_below_root().any(moves)
     }
 }
 
