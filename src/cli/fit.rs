@@ -258,8 +258,8 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
 /// Fits the garments of one input to one body and writes them.
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let (mut garments, record) = fit_to(command, task)?;
-    let written = |options: &WriteOptions| write_fitted(&sources(&garments), &task.output, options);
-    let (trims, warnings) = strictly(command, record, written)?;
+    let write = |options: &WriteOptions| write_fitted(&sources(&garments), &task.output, options);
+    let (trims, warnings) = strictly(command, record, write)?;
     add_trims(&mut garments, trims);
     add_warnings(&mut garments, warnings);
     Ok(garments)
@@ -280,8 +280,8 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
     let choices: Vec<BodyChoice> =
         names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
     let record = BuildRecord::of_all(records);
-    let written = |options: &WriteOptions| write_bodies(set, &choices, &first.output, options);
-    let (trims, warnings) = strictly(command, record, written)?;
+    let write = |options: &WriteOptions| write_bodies(set, &choices, &first.output, options);
+    let (trims, warnings) = strictly(command, record, write)?;
     // The first choice is the garment as it is.
     all.iter_mut().zip(trims.into_iter().skip(1)).for_each(|(garments, trims)| add_trims(garments, trims));
     if let Some(last) = all.last_mut() {

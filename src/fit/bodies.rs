@@ -162,11 +162,7 @@ fn eliminated(mut rows: Vec<Vec<f64>>, mut right: Vec<DVec3>, least: f64) -> Opt
 
 /// The faces of a mesh as fans of triangles.
 pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
-    let of_face = |face| {
-        let vertices = mesh.faces.vertices_of(face);
-        vertices[1..].windows(2).map(move |pair| [vertices[0], pair[0], pair[1]].map(|v| v.index()))
-    };
-    mesh.faces.ids().flat_map(of_face).collect()
+    mesh.faces.fans().map(|triangle| triangle.map(|v| v.index())).collect()
 }
 
 /// The points of `to` at the UVs of the vertices of `from`.

@@ -109,6 +109,15 @@ impl Faces {
         self.range(face).map(CornerId::new)
     }
 
+    /// The faces as fans of triangles, face by face.
+    pub fn fans(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {
+        let fan = |face| {
+            let vertices = self.vertices_of(face);
+            vertices[1..].windows(2).map(move |pair| [vertices[0], pair[0], pair[1]])
+        };
+        self.ids().flat_map(fan)
+    }
+
     /// The vertices of a face, in order.
     #[inline(always)]
     pub fn vertices_of(&self, face: FaceId) -> &[VertexId] {

@@ -239,6 +239,16 @@ def vec3f(points):
     return Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(points, np.float32))
 
 
+def with_own_space(stage, path):
+    """A prim with a transform of its own: what takes points of the stage to its space."""
+    prim = UsdGeom.Xform.Define(stage, path)
+    prim.AddTranslateOp().Set((3, -4, 5))
+    prim.AddRotateXYZOp().Set((20, 30, 40))
+    prim.AddScaleOp().Set((2, 2, 2))
+    to_own = np.linalg.inv(np.array(prim.GetLocalTransformation()))
+    return lambda points: points @ to_own[:3, :3] + to_own[3, :3]
+
+
 def define_mesh(stage, path, points, faces):
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreatePointsAttr(vec3f(points))

@@ -7,7 +7,7 @@ import pytest
 from conftest import run
 from fitting import fit, tube, write_tube
 from pxr import Gf, Sdf, Usd, UsdGeom
-from sources import BOX, define_mesh, vec3f
+from sources import BOX, define_mesh, vec3f, with_own_space
 from surface import point_triangle
 from tailor_file import holder, needs_plugin, recipe
 
@@ -27,12 +27,7 @@ def on_garment(angle, height, above):
 
 def add_trims(stage):
     """Trims in a space of their own."""
-    trims = UsdGeom.Xform.Define(stage, "/Coat/trims")
-    trims.AddTranslateOp().Set((3, -4, 5))
-    trims.AddRotateXYZOp().Set((20, 30, 40))
-    trims.AddScaleOp().Set((2, 2, 2))
-    to_own = np.linalg.inv(np.array(trims.GetLocalTransformation()))
-    own = lambda p: p @ to_own[:3, :3] + to_own[3, :3]
+    own = with_own_space(stage, "/Coat/trims")
     corners = np.array([[v & 1, v >> 1 & 1, v >> 2 & 1] for v in range(8)]) - [0.5, 0.5, 0]
     boxes = [on_garment(angle + c[:, 0] * 0.12, height + c[:, 1] * 0.3, 0.02 + c[:, 2] * 0.1) for angle, height in BUTTONS for c in [corners]]
     faces = [[8 * i + v for v in face] for i in range(len(BUTTONS)) for face in BOX]

@@ -3,7 +3,7 @@
 import numpy as np
 from pxr import Gf, Usd, UsdGeom
 from runs import good
-from sources import BOX, define_mesh, vec3f
+from sources import BOX, define_mesh, vec3f, with_own_space
 
 R = 60.0
 FRAMES = 5
@@ -62,13 +62,7 @@ def write_front(path):
     UsdGeom.SetStageMetersPerUnit(stage, 0.01)
     stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/G").GetPrim())
     define_mesh(stage, "/G/front", *grid(20, 16, 100, 80))
-    # In a space of its own.
-    trims = UsdGeom.Xform.Define(stage, "/G/trims")
-    trims.AddTranslateOp().Set((3, -4, 5))
-    trims.AddRotateXYZOp().Set((20, 30, 40))
-    trims.AddScaleOp().Set((2, 2, 2))
-    to_own = np.linalg.inv(np.array(trims.GetLocalTransformation()))
-    own = lambda p: p @ to_own[:3, :3] + to_own[3, :3]
+    own = with_own_space(stage, "/G/trims")
     points, faces = boxes()
     define_mesh(stage, "/G/trims/buttons", own(points), faces)
     tape, faces = grid(40, 1, 60, 1.5, at=(0, 30), above=0.1)

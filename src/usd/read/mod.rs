@@ -32,5 +32,5 @@ pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;
 pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{transforms, world_of};
-pub use trims::{FittedTrim, TrimPrim, has_points, points_name, trim_path, trims};
+pub use trims::{FittedTrim, TrimPrim, has_points, is_on, points_name, trim_path, trims};
 pub use variants::{Selection, VariantSet, choices_of, flattened_variants, frozen_trim, select};

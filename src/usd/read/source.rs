@@ -91,7 +91,7 @@ pub struct Source {
 }
 
 /// The points of a garment on another body, and its trims there.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct FittedPoints {
     /// In the order of [`Source::garment`].
     pub points: Vec<Vec3>,
@@ -99,7 +99,7 @@ pub struct FittedPoints {
     pub time: Option<f64>,
     /// The trims that ride on it.
     pub trims: Vec<FittedTrim>,
-    /// Those that ride on another mesh, and the path of that mesh.
+    /// Paths of trims whose option `on` names another mesh, with the path of that mesh.
     pub elsewhere: Vec<(sdf::Path, String)>,
 }
 

@@ -128,15 +128,9 @@ pub fn varied_properties(prim: &Prim) -> Result<BTreeMap<String, BTreeSet<String
 /// # Errors
 /// A stage that cannot be queried.
 pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<Warnings, Error> {
-    let mut kept: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for prim in [mesh.clone()].into_iter().chain(subset_prims(mesh)?) {
-        for (property, of) in varied_properties(&prim)? {
-            let is_followed = names::is_material(&property) || property.starts_with(names::RECIPE);
-            for set in of.into_iter().filter(|_| !is_followed) {
-                kept.entry(set).or_default().insert(property.clone());
-            }
-        }
-    }
+    let is_followed = |property: &str| names::is_material(property) || property.starts_with(names::RECIPE);
+    let prims = [mesh.clone()].into_iter().chain(subset_prims(mesh)?);
+    let kept = varied_by_set(prims, |property| !is_followed(property))?;
     let is_built = |set: &Selection| built.iter().any(|built| built.set == set.set && built.prim == set.prim);
     let open = sets.iter().filter(|set| !is_built(&set.selected));
     Ok(frozen_sets(mesh, open, &kept, "products keep", |set| {
@@ -149,12 +143,23 @@ pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<W
 /// # Errors
 /// A stage that cannot be queried.
 pub fn frozen_trim(trim: &Prim, changed: &BTreeSet<&str>) -> Result<Warnings, Error> {
-    let mut kept: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
-    for (property, of) in varied_properties(trim)?.into_iter().filter(|(name, _)| changed.contains(name.as_str())) {
-        of.into_iter().for_each(|set| _ = kept.entry(set).or_default().insert(property.clone()));
-    }
+    let kept = varied_by_set([trim.clone()], |property| changed.contains(property))?;
     let sets = if kept.is_empty() { Vec::new() } else { variant_sets(trim)? };
     Ok(frozen_sets(trim, sets.iter(), &kept, "the fit keeps", |set| format!("Fit once for each selection of {set}")))
+}
+
+/// The properties of some prims that variants have, by the sets of these variants.
+fn varied_by_set(
+    prims: impl IntoIterator<Item = Prim>,
+    is_kept: impl Fn(&str) -> bool,
+) -> Result<BTreeMap<String, BTreeSet<String>>, Error> {
+    let mut kept: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for prim in prims {
+        for (property, sets) in varied_properties(&prim)?.into_iter().filter(|(property, _)| is_kept(property)) {
+            sets.into_iter().for_each(|set| _ = kept.entry(set).or_default().insert(property.clone()));
+        }
+    }
+    Ok(kept)
 }
 
 /// The notes of sets with several variants that have properties which are kept, by set.

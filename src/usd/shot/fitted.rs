@@ -9,10 +9,10 @@ use crate::garment::Mesh;
 use crate::mesh::{Faces, IdVec, VertexId};
 use crate::trim::{TrimMode, TrimOptions};
 use crate::usd::on_large_stack;
-use crate::usd::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, prim_at, trim_path, trims};
+use crate::usd::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, is_on, prim_at, trim_path, trims};
 use crate::usd::write::off_cloth;
 use glam::{Quat, Vec3};
-use openusd::sdf::Value;
+use openusd::sdf::{Path, Value};
 use openusd::usd::{Stage, TimeCode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -34,23 +34,27 @@ impl Source {
             let text = format!("{} new points for a garment of {}", points.len(), mesh.points.len());
             return Err(Error::usd(text).code(ErrorCode::ValueCount).remedy("give one for each of its points"));
         }
-        let mut fitted = FittedPoints { points, time, trims: Vec::new(), elsewhere: Vec::new() };
+        let mut fitted = FittedPoints { points, time, ..FittedPoints::default() };
         let mut warnings = Warnings::default();
         if !options.is_empty() {
-            warnings = on_large_stack(|| take_along(&mut fitted, &self.model, mesh, options))?;
+            (fitted.trims, fitted.elsewhere) =
+                warnings.absorb(on_large_stack(|| taken_along(&self.model, mesh, &fitted, options))?);
         }
         self.fitted = Some(Arc::new(fitted));
         Ok(warnings)
     }
 }
 
-/// Adds the trims that options name to a garment that was as `mesh` is, each once.
-fn take_along(
-    fitted: &mut FittedPoints,
+/// Trims that go along, and paths of those that ride on another mesh, with its path.
+type Along = (Vec<FittedTrim>, Vec<(Path, String)>);
+
+/// The trims that options name, each once, with a garment that was as `mesh` is.
+fn taken_along(
     model: &Model,
     mesh: &Mesh,
+    fitted: &FittedPoints,
     options: &BTreeMap<String, TrimOptions>,
-) -> Result<Warnings, Error> {
+) -> Result<(Along, Warnings), Error> {
     let (stage, cage) = (model.origin.open()?, triangulated(mesh));
     let way = Way::new(model, &cage, fitted)?;
     let (mut moved, mut staying, mut elsewhere) = (BTreeMap::new(), Vec::new(), Vec::new());
@@ -59,7 +63,7 @@ fn take_along(
         for named in prims {
             let key = format!("trim.{name}.prims");
             let root = trim_path(model, &key, named)?;
-            if !on.is_empty() && !model.panels.iter().any(|panel| panel.as_str() == on) {
+            if !is_on(model, on) {
                 elsewhere.push((root, on.clone()));
                 continue;
             }
@@ -82,17 +86,12 @@ fn take_along(
         let stays = Warning::not_carried(root, "its mode is none, so that it stays where it is");
         warnings.push(stays.remedy("Move it by hand, or give it another mode"));
     }
-    (fitted.trims, fitted.elsewhere) = (moved.into_values().collect(), elsewhere);
-    Ok(warnings)
+    Ok(((moved.into_values().collect(), elsewhere), warnings))
 }
 
 /// The faces of a garment as triangles.
 fn triangulated(mesh: &Mesh) -> Mesh {
-    let fan = |face| {
-        let vertices = mesh.faces.vertices_of(face);
-        vertices[1..].windows(2).flat_map(move |pair| [vertices[0], pair[0], pair[1]])
-    };
-    let corners: IdVec<_, VertexId> = mesh.faces.ids().flat_map(fan).collect();
+    let corners: IdVec<_, VertexId> = mesh.faces.fans().flatten().collect();
     Mesh { points: mesh.points.clone(), faces: Faces::triangles(corners), ..Mesh::default() }
 }
 
@@ -104,19 +103,19 @@ struct Way<'a> {
     points: &'a [Vec3],
     triangles: Vec<[u32; 3]>,
     frames: Arc<BindFrames>,
-    to: Vec<Vec3>,
+    to: &'a [Vec3],
     rotations: Vec<Quat>,
     time: Option<TimeCode>,
 }
 
 impl<'a> Way<'a> {
-    fn new(model: &'a Model, cage: &'a Mesh, fitted: &FittedPoints) -> Result<Self, Error> {
+    fn new(model: &'a Model, cage: &'a Mesh, fitted: &'a FittedPoints) -> Result<Self, Error> {
         let triangle = |face| [0, 1, 2].map(|k| cage.faces.vertices_of(face)[k].index() as u32);
         let triangles: Vec<[u32; 3]> = cage.faces.ids().map(triangle).collect();
         let points = cage.points.as_slice();
         let frames = Arc::new(BindFrames::new(points, &triangles)?);
-        let (to, time) = (fitted.points.clone(), fitted.time.map(TimeCode::new));
-        let rotations = frames.rotations(&to);
+        let (to, time) = (fitted.points.as_slice(), fitted.time.map(TimeCode::new));
+        let rotations = frames.rotations(to);
         let (surface, size) = (BindSurface::new(cage), cage.size());
         Ok(Self { model, surface, size, points, triangles, frames, to, rotations, time })
     }
@@ -128,7 +127,7 @@ impl<'a> Way<'a> {
         let (to_world, time) = (self.model.transforms.to_world, self.time);
         let bind = Bind { to_world, time, points: self.points, triangles: &self.triangles, frames: &self.frames };
         let bound = BoundPrim::read(&prim_at(stage, &trim.path)?, &trim.shape.points, &places, &bind)?;
-        let driven = bound.driven(&self.to, &self.rotations, None);
+        let driven = bound.driven(self.to, &self.rotations, None);
         if !driven.points.iter().all(|point| point.is_finite()) {
             return Err(Error::usd("it is too far from the cloth to be bound"));
         }

@@ -6,7 +6,7 @@ use crate::binding::BindSurface;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::trim::{Ride, TrimMode, TrimOptions};
-use crate::usd::read::{FittedTrim, Model, Source, TrimPrim, trim_path, trims};
+use crate::usd::read::{FittedTrim, Model, Source, TrimPrim, is_on, trim_path, trims};
 use openusd::sdf::{Path, PrimSpec};
 use std::collections::BTreeMap;
 
@@ -106,7 +106,8 @@ impl<'a> TrimBindings<'a> {
             let Some((_, taken)) = fitted.get(path) else { continue };
             let is_nearer = |(garment, _, options): &(usize, &str, &TrimOptions)| {
                 let source = garments[*garment].source;
-                let cloth = cloths[*garment].as_ref().filter(|_| source.fitted.is_none() && is_on(source, options));
+                let cloth =
+                    cloths[*garment].as_ref().filter(|_| source.fitted.is_none() && is_on(&source.model, &options.on));
                 cloth.is_some_and(|cloth| trim.beside(cloth.model).distance(&cloth.surface) < taken.distance)
             };
             if by.iter().any(is_nearer) {
@@ -126,7 +127,8 @@ impl<'a> TrimBindings<'a> {
     pub fn author(self, author: &mut Author, warnings: &mut Warnings) -> openusd::Result<Vec<BoundTrim>> {
         let mut bound = Vec::with_capacity(self.asked.len());
         for (path, Asked { trim, by }) in &self.asked {
-            let candidates = by.iter().filter(|(garment, _, options)| is_on(self.garments[*garment].source, options));
+            let model = |garment: usize| &self.garments[garment].source.model;
+            let candidates = by.iter().filter(|(garment, _, options)| is_on(model(*garment), &options.on));
             let candidates = candidates.filter_map(|by| {
                 let cloth = self.cloths[by.0].as_ref()?;
                 let shape = trim.beside(cloth.model);
@@ -163,11 +165,6 @@ pub fn off_cloth(trim: &Path, ride: &Ride, cloth: &Path, size: f32) -> Option<Wa
     let remedy = "Move it to the cloth, or name another garment by its option `on`";
     let warning = Warning::new(Code::TrimOffCloth, trim, problem).amount(ride.gap).remedy(remedy);
     (ride.gap > FARTHEST * size).then_some(warning)
-}
-
-/// Whether trims may ride on a garment.
-fn is_on(garment: &Source, options: &TrimOptions) -> bool {
-    options.on.is_empty() || garment.model.panels.iter().any(|panel| panel.as_str() == options.on)
 }
 
 /// The trims that garments on another body take along, each with the one that is nearest to it.

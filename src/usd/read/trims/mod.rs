@@ -179,6 +179,11 @@ pub fn trim_path(model: &Model, key: &str, named: &str) -> Result<Path, Error> {
     }
 }
 
+/// Whether trims with this option `on` may ride on a model.
+pub fn is_on(model: &Model, on: &str) -> bool {
+    on.is_empty() || model.panels.iter().any(|panel| panel.as_str() == on)
+}
+
 fn type_of(prim: &Prim) -> Result<String, Error> {
     Ok(prim.type_name().or_unreadable(prim.path())?.map(|name| name.as_str().to_owned()).unwrap_or_default())
 }
