@@ -6,6 +6,7 @@
 Pictures that compare with an older program are drawn only with it. Wires of close-ups are the edges of the render mesh; its
 surface is refined further for the picture. Needs usd-core, numpy and Pillow."""
 import argparse
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,7 +20,8 @@ import picture
 
 ROOT = Path(__file__).resolve().parents[2]
 COAT, SEWN = ROOT / "examples/coat.usda", ROOT / "examples/sewn/coat.usda"
-REAL = ROOT.parent / "shared/garments"                  # garments that are not in the project
+# Garments that are not in the project: without them, pictures of them are not drawn.
+REAL = Path(os.environ.get("TAILOR_GARMENTS", "no garments"))
 SQUARE, WIDE = (434, 434), (874, 264)                   # pixels
 
 

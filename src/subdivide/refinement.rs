@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn garments_whose_corners_share_values_alike_are_known() {
+    fn cages_whose_corners_share_values_alike_are_known() {
         let joined = || Some(vec![0, 1, 2, 3, 1, 4, 5, 2]);
         let first = garment(joined(), vec![0.0; 6]);
         assert!(share_values_alike(&first, &garment(joined(), (0..6).map(|i| i as f32).collect())), "other values");
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn garments_with_other_values_share_a_refinement() {
+    fn cages_with_other_values_share_a_refinement() {
         let indices = || Some(vec![0, 1, 2, 3, 6, 4, 5, 7]);
         let cages = [1.0, 2.0].map(|scale| garment(indices(), (0..8).map(|i| scale * i as f32).collect()));
         let refinement = |cage: &Mesh| Refinement::of_cage(Arc::new(Level::base(cage)), cage);

@@ -1,19 +1,33 @@
-//! The garments that tests run on: the examples of this repository and, where they are, shared ones beside it.
+//! The garments that tests run on: the examples and those of `tests/garments`, or those of a folder that `TAILOR_GARMENTS` names.
+//!
+//! Tests over [`garments()`] have the word `garments` in their paths, and hold for any garment.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Every example and every shared garment; says so where the latter are absent.
+/// The folders of the project's garments.
+const FOLDERS: [&str; 2] = ["examples", "tests/garments"];
+
+/// Every garment of the project, or every one of the folder that `TAILOR_GARMENTS` names.
 pub fn garments() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut all = stages(&root.join("examples"));
-    assert!(all.len() >= 3, "the examples are in the repository");
-    let shared = stages(&root.join("../shared/garments"));
-    if shared.is_empty() {
-        // Past the capture of the test harness, so that it is seen.
-        let _ = writeln!(std::io::stderr(), "NOTE: no ../shared/garments; these tests run on the examples alone");
+    match std::env::var_os("TAILOR_GARMENTS").map(PathBuf::from) {
+        None => FOLDERS.into_iter().flat_map(of_project).collect(),
+        Some(folder) => {
+            let all = stages(&folder);
+            assert!(!all.is_empty(), "TAILOR_GARMENTS: no .usda or .usdc file is in the folder `{}`", folder.display());
+            all
+        }
     }
-    all.extend(shared);
+}
+
+/// A garment of the project, by the name of its file.
+pub fn named(name: &str) -> PathBuf {
+    let mut all = FOLDERS.into_iter().flat_map(of_project);
+    all.find(|file| file.ends_with(name)).unwrap_or_else(|| panic!("no garment of the project is `{name}`"))
+}
+
+fn of_project(folder: &str) -> Vec<PathBuf> {
+    let all = stages(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
+    assert!(all.len() >= 3, "`{folder}` has {} garments", all.len());
     all
 }
 

@@ -19,7 +19,7 @@ fn build(garment: &Path, threads: u32) -> (Vec<u8>, Value) {
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bytes() {
+fn any_number_of_threads_gives_the_same_bytes_on_garments() {
     for garment in garments() {
         let (bytes, report) = build(&garment, 1);
         // Twice with one thread: a second run is the same too.

@@ -3,7 +3,7 @@
 import { readFileSync } from "node:fs";
 import { setTimeout as sleep } from "node:timers/promises";
 import { blank } from "./support/browser.mjs";
-import { example, Server, sharedGarment } from "./support/server.mjs";
+import { example, Server, SUIT } from "./support/server.mjs";
 import { connect } from "./support/socket.mjs";
 
 const COUNT = 50;
@@ -26,10 +26,11 @@ const COAT = {
   ],
 };
 
-const MEAN = 0.186;
+/** The mean edge. [cm] */
+const MEAN = 2.63;
 const PANELS = Array.from({ length: 10 }, (_, i) => `panel0${i}`).join();
-const WORK_SUIT = {
-  garment: sharedGarment("male_worksuit01.usdc"),
+const LAYERED_SUIT = {
+  garment: SUIT,
   options: [
     "seam.s.edges=uvSeams",
     `seam.s.width=${0.3 * MEAN}`,
@@ -65,7 +66,6 @@ function edit(page, [role, key, value]) {
 }
 
 async function measure({ garment, options, edits }) {
-  if (!garment) return;
   const start = performance.now();
   const server = await Server.start(owner, garment, ...options.flatMap((option) => ["--set", option]));
   const started = performance.now() - start;
@@ -113,7 +113,7 @@ async function memory() {
 }
 
 await measure(COAT);
-await measure(WORK_SUIT);
+await measure(LAYERED_SUIT);
 if (process.argv.length < 3 && process.platform === "linux") await memory();
 for (const end of ends) await end();
 process.exit();

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { assertClean, open, SCREEN, show } from "./support/browser.mjs";
 import { clipped } from "./support/layout.mjs";
 import { colours, distance, rgb } from "./support/png.mjs";
-import { example, Server, sharedGarment } from "./support/server.mjs";
+import { example, Server, SUIT } from "./support/server.mjs";
 
 /** Share of the points of a mesh whose pixels are not of the background's colour. */
 async function drawnShare(preview, picture, role) {
@@ -40,10 +40,8 @@ test("the three meshes of the coat are drawn, and nothing is asked of anybody el
   assertClean(preview);
 });
 
-const shared = sharedGarment("male_worksuit01.usdc");
-
-test("a garment of another program is drawn", { skip: shared === null && "it is not there" }, async (t) => {
-  const preview = await show(t, shared);
+test("a suit of many layers and thousands of faces is drawn", async (t) => {
+  const preview = await show(t, SUIT);
   await assertDrawn(preview);
   assertClean(preview);
 });

@@ -4,7 +4,10 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod fuzz_replay;
+#[path = "../../src/testing/garments.rs"]
+mod garments;
 mod reading;
 mod session;
 mod stage;
+mod troubles;
 mod writing;

@@ -22,6 +22,7 @@ os.environ["PXR_PLUGINPATH_NAME"] = os.pathsep.join(
 
 import json  # noqa: E402
 
+import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 from mesh import find_model, read_mesh  # noqa: E402
 from pxr import Usd  # noqa: E402
@@ -31,19 +32,31 @@ ALL = bool(os.environ.get("TAILOR_TEST_ALL"))
 long_test = pytest.mark.skipif(not ALL, reason="a long test: NOT run without `cargo xtask test --all`")
 
 EXAMPLES = ROOT / "examples"
-SHARED = ROOT.parent / "shared" / "garments"
-SHARED_ABSENT = f"../shared/garments is absent: the real garments are NOT tested ({SHARED})"
+# Garments with a trouble each, by tests/garments/make.py.
+MADE = ROOT / "tests" / "garments"
+# A folder whose garments take the place of these: `cargo xtask test garments`.
+GIVEN = os.environ.get("TAILOR_GARMENTS")
+
+
+def stages(folder):
+    found = sorted(path for path in folder.iterdir() if path.suffix in (".usda", ".usdc"))
+    assert found, f"{folder} has no garments"
+    return found
+
+
+GARMENTS = stages(Path(GIVEN)) if GIVEN else stages(EXAMPLES) + stages(MADE)
 
 
 def garment_files():
-    examples = sorted(EXAMPLES.glob("*.usda"))
-    real = sorted(SHARED.glob("*.usdc"))
-    params = [pytest.param(path, id=path.stem) for path in examples + real]
-    if not examples:
-        params.append(pytest.param(None, id="examples", marks=pytest.mark.skip(reason="examples/ holds no *.usda: our own garments are NOT tested")))
-    if not real:
-        params.append(pytest.param(None, id="shared", marks=pytest.mark.skip(reason=SHARED_ABSENT)))
-    return params
+    return [pytest.param(path, id=path.stem) for path in GARMENTS]
+
+
+def pytest_collection_modifyitems(config, items):
+    """With the garments of a folder, the tests that take one of them are all that run."""
+    if GIVEN:
+        takes_one = [hasattr(item, "callspec") and any(value in GARMENTS for value in item.callspec.params.values()) for item in items]
+        config.hook.pytest_deselected(items=[item for item, takes in zip(items, takes_one, strict=True) if not takes])
+        items[:] = [item for item, takes in zip(items, takes_one, strict=True) if takes]
 
 
 @dataclass
@@ -67,9 +80,16 @@ class Product:
 
     @property
     def source(self):
+        """The mesh of the input. Doubled points, which a build sews, are one."""
         if "source" not in self.__dict__:
-            self.__dict__["source"] = read_mesh(find_model(self.source_stage))
+            source = read_mesh(find_model(self.source_stage))
+            self.__dict__["source"] = source.sewn() if self.has_doubled_points else source
         return self.__dict__["source"]
+
+    @cached_property
+    def has_doubled_points(self):
+        source = read_mesh(find_model(self.source_stage))
+        return (source.doubled != np.arange(len(source.points))).any()
 
     def mesh(self, name):
         if name not in self.__dict__:
@@ -204,7 +224,7 @@ def built(usdtailor):
 
 @pytest.fixture(params=garment_files())
 def garment(request):
-    """The path of each garment in turn: our examples, and the real ones where they are."""
+    """The path of each garment in turn."""
     return request.param
 
 

@@ -1,6 +1,6 @@
 """A UsdGeomMesh with its subsets and primvars as numpy arrays, and what follows from them."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -161,6 +161,27 @@ class Mesh:
     @cached_property
     def topology(self):
         return Topology(self.counts, self.indices, len(self.points))
+
+    @cached_property
+    def doubled(self):
+        """For each point the first point of a border at its place, or the point itself."""
+        first, at = np.arange(len(self.points)), {}
+        for point in np.unique(self.topology.edges[self.topology.edge_faces == 1]):
+            first[point] = at.setdefault(tuple(self.points[point]), point)
+        return first
+
+    def sewn(self):
+        """The mesh with each doubled point once, as products have it."""
+        kept, number = np.unique(self.doubled, return_inverse=True)
+        rows = lambda primvar: primvar.interpolation in ("vertex", "varying") and primvar.indices is None  # noqa: E731
+        of_points = {
+            name: replace(primvar, values=[primvar.values[i * primvar.element_size + k] for i in kept.tolist() for k in range(primvar.element_size)])
+            for name, primvar in self.primvars.items()
+            if rows(primvar)
+        }
+        subsets = {name: replace(s, indices=s.indices if s.element_type == "face" else number[s.indices]) for name, s in self.subsets.items()}
+        assert not self.creases and not self.corners, "not sewn here"
+        return replace(self, points=self.points[kept], indices=number[self.indices], primvars=self.primvars | of_points, subsets=subsets)
 
     @cached_property
     def face_centres(self):

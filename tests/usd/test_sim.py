@@ -303,15 +303,17 @@ def test_subset_indices_are_elements_of_the_mesh(product):
 
 def test_face_subsets_keep_their_share_of_the_area(product, baseline):
     before, after = baseline.face_areas(), product.sim.face_areas
+    blurred = {name for warning in product.report["warnings"] if warning["code"] == "sets-blurred" for name in warning["names"]}
     for name, subset in product.source.subsets.items():
         if subset.element_type != "face":
             continue
         assert name in product.sim.subsets, f"{name} is gone; warnings: {product.warnings}"
         expected = before[subset.indices].sum() / before.sum()
         actual = after[product.sim.subsets[name].indices].sum() / after.sum()
-        # A set no wider than a few triangles cannot be met better than by whole triangles.
+        # A set no wider than a few triangles cannot be met better than by whole triangles. Where half of it is lost, a warning says so.
         grain = 3 * after.max() / after.sum()
-        assert abs(actual - expected) <= max(SET_AREA * expected, min(grain, 0.5 * expected)), f"{name}: {actual:.4f}, was {expected:.4f}"
+        most = grain if name in blurred else min(grain, 0.5 * expected)
+        assert abs(actual - expected) <= max(SET_AREA * expected, most), f"{name}: {actual:.4f}, was {expected:.4f}"
 
 
 def test_edge_subsets_on_chains_keep_their_curves(all_shells, baseline):

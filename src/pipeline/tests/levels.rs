@@ -7,8 +7,10 @@ use crate::{Builder, Products, Recipe, SeamOptions};
 use std::sync::Arc;
 
 fn coat() -> Garment {
-    let file = garments::garments().into_iter().find(|file| file.ends_with("examples/coat.usda")).expect("the coat");
-    Source::open(&file, &ReadOptions::default()).and_then(|source| source.garment()).expect("a good garment").0
+    Source::open(&garments::named("coat.usda"), &ReadOptions::default())
+        .and_then(|source| source.garment())
+        .expect("a good garment")
+        .0
 }
 
 fn recipe(levels: u32) -> Recipe {

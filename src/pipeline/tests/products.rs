@@ -1,4 +1,4 @@
-//! Invariants of the products: of every example, every shared garment, a zoo of small troubles, and random sheets.
+//! Invariants of the products: of every garment, a zoo of small troubles, and random sheets.
 //!
 //! In debug builds the remesher checks its own invariants after each pass too.
 

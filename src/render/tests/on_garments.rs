@@ -1,5 +1,7 @@
-//! Operators on the examples and on real garments: every face a quad, none without area, few turned over, and few crossings
+//! Operators on garments: every face a quad, none without area, few turned over, and few crossings
 //! that the garment itself does not have.
+
+#![allow(clippy::print_stdout)]
 
 use super::cloth::faces_in;
 use super::crossings::crossing_parents;
@@ -7,11 +9,12 @@ use crate::error::Code;
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values, check_garment};
 use crate::mesh::{FaceId, VertexId};
 use crate::pipeline::mean_edge_length;
-use crate::testing::garments::garments;
+use crate::testing::garments::{garments, named};
 use crate::testing::operators::{border_panels, rendered};
 use crate::usd::{ReadOptions, Source};
 use glam::Vec3;
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Name of the primvar that says which face of the input each face is part of.
@@ -30,39 +33,47 @@ const CROSSING: &[(&str, [[usize; 3]; 3])] =
 /// Faces that look to the other side than the garment there, for seams, hems and both. As above.
 const TURNED: &[(&str, [usize; 3])] = &[("coat.usda", [4, 2, 24]), ("male_worksuit01.usdc", [2, 0, 12])];
 
+/// Every garment with the name of its file.
 pub fn load() -> Vec<(String, Mesh)> {
-    let mut all = Vec::new();
-    for file in garments() {
-        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let (input, _) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
-        let (mut garment, _) = check_garment(input).unwrap_or_else(|e| panic!("{name}: {e}"));
-        Arc::make_mut(&mut garment.primvars).push(Primvar {
-            name: PARENT.into(),
-            role: PrimvarRole::Primvar,
-            meaning: Meaning::Plain,
-            half: false,
-            interpolation: Interpolation::Uniform,
-            components: 1,
-            element_size: 1,
-            values: Values::I32((0..garment.faces.len() as i32).collect()),
-            indices: None,
-        });
-        let fronts = vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect();
-        Arc::make_mut(&mut garment.primvars).push(Primvar {
-            name: FRONT.into(),
-            role: PrimvarRole::Primvar,
-            meaning: Meaning::Plain,
-            half: false,
-            interpolation: Interpolation::Vertex,
-            components: 3,
-            element_size: 1,
-            values: Values::F32(fronts),
-            indices: None,
-        });
-        all.push((name, garment));
-    }
-    all
+    let name = |file: &Path| file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    garments().into_iter().map(|file| (name(&file), open(&file))).collect()
+}
+
+/// A garment of the project, by the name of its file.
+pub fn load_named(name: &str) -> Mesh {
+    open(&named(name))
+}
+
+/// A garment with what says where its faces are from.
+fn open(file: &Path) -> Mesh {
+    let name = file.display();
+    let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (input, _) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (mut garment, _) = check_garment(input).unwrap_or_else(|e| panic!("{name}: {e}"));
+    Arc::make_mut(&mut garment.primvars).push(Primvar {
+        name: PARENT.into(),
+        role: PrimvarRole::Primvar,
+        meaning: Meaning::Plain,
+        half: false,
+        interpolation: Interpolation::Uniform,
+        components: 1,
+        element_size: 1,
+        values: Values::I32((0..garment.faces.len() as i32).collect()),
+        indices: None,
+    });
+    let fronts = vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect();
+    Arc::make_mut(&mut garment.primvars).push(Primvar {
+        name: FRONT.into(),
+        role: PrimvarRole::Primvar,
+        meaning: Meaning::Plain,
+        half: false,
+        interpolation: Interpolation::Vertex,
+        components: 3,
+        element_size: 1,
+        values: Values::F32(fronts),
+        indices: None,
+    });
+    garment
 }
 
 /// Normals of the garment's vertices, each the mean of those of the faces around it.
@@ -204,8 +215,12 @@ fn crossings(garment: &Mesh, level: u32, multiple: f32) -> [Crossings; 3] {
 /// New crossings on a refinement, at a multiple of the sizes, that no warning tells or that are more than known.
 fn complaints(level: u32, multiple: f32, known: impl Fn(&str) -> [usize; 3]) -> String {
     let mut complaints: Vec<String> = Vec::new();
+    println!("{:28} level sizes  seams   hems   both", "new crossings");
     for (name, garment) in load() {
-        let all = crossings(&garment, level, multiple).into_iter().zip(STACKS).zip(known(&name));
+        let all = crossings(&garment, level, multiple);
+        let counts: Vec<String> = all.iter().map(|found| format!("{:7}", found.new.len())).collect();
+        println!("{name:28} {level:5} {multiple:5} {}", counts.concat());
+        let all = all.into_iter().zip(STACKS).zip(known(&name));
         for ((found, stack), known) in all.filter(|((found, _), _)| !found.new.is_empty()) {
             let Crossings { new, are_told } = &found;
             if new.len() > known || !are_told {

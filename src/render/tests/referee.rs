@@ -10,6 +10,7 @@ use crate::subdivide::child_corner;
 use crate::testing::nearest::Nearest;
 use crate::testing::operators::rendered;
 use glam::Vec3;
+use std::collections::BTreeSet;
 
 /// Steps to the nearest point of a patch. They start within a quarter of it, and three suffice nearly everywhere.
 const STEPS: usize = 6;
@@ -162,7 +163,9 @@ impl Held {
     /// The limit points of a mesh that are farther from the seams than `width`, from the worst on.
     pub fn beyond(&self, mesh: &Mesh, width: f32) -> Vec<Off> {
         let places = limit(mesh);
-        let far = places.enumerated().map(|(v, &p)| (v, p)).filter(|&(_, p)| self.seams.find(p).1 > width);
+        let used: BTreeSet<VertexId> = mesh.faces.corners().iter().copied().collect();
+        let all = places.enumerated().map(|(v, &p)| (v, p)).filter(|(v, _)| used.contains(v));
+        let far = all.filter(|&(_, p)| self.seams.find(p).1 > width);
         let judged = |(vertex, place)| Off { off: self.surface.foot(place).off / self.edge, vertex, place };
         let mut all: Vec<Off> = far.map(judged).collect();
         all.sort_by(|a, b| b.off.total_cmp(&a.off));

@@ -182,7 +182,7 @@ fn products_are_the_same_wherever_the_garment_is() {
 }
 
 #[test]
-fn left_handed_and_mirrored_garments_have_meshes_as_good() {
+fn left_handed_and_mirrored_tubes_have_meshes_as_good() {
     let own = built(tube(), &Recipe::default());
     let left = Garment { orientation: Orientation::LeftHanded, ..tube() };
     same_up_to(&own.sim, &built(left, &Recipe::default()).sim, 0.0, |p| p);

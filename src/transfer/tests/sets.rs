@@ -2,12 +2,12 @@
 
 use super::sheet;
 use crate::error::Code;
-use crate::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput};
-use crate::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput, Values};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::recipe::Layers;
 use crate::sim::SimOptions;
 use crate::testing::built::{Built, build, build_with};
-use crate::testing::garments::garments;
+use crate::testing::garments::{garments, named};
 use crate::testing::nearest::Nearest;
 use crate::transfer::Coverage;
 use crate::usd::{ReadOptions, Source};
@@ -87,13 +87,38 @@ fn on_another_layer(built: &Built, coverage: &Coverage) -> usize {
     wrong
 }
 
+/// Whether the UVs are cut at all edges between the faces of a set and others.
+fn is_between_seams(built: &Built, set: &[FaceId]) -> bool {
+    let garment = &built.garment;
+    let Some(uvs) = garment.primvar(&built.options().uv_set) else { return false };
+    let Values::F32(values) = &uvs.values else { return false };
+    let t = Topology::new(garment.faces.clone(), garment.points.len());
+    let own: BTreeSet<FaceId> = set.iter().copied().collect();
+    let uv = |corner: CornerId| &values[2 * uvs.row(corner.index())..][..2];
+    // The UVs at both ends of an edge on one side of it, by vertex.
+    let ends = |corner: &CornerId| {
+        let mut ends = [*corner, t.faces.next(*corner)].map(|c| (t.faces.vertex(c), uv(c)));
+        ends.sort_by_key(|end| end.0);
+        ends
+    };
+    let is_joined = |edge: EdgeId| {
+        let is_own = |c: &&CornerId| own.contains(&t.faces.face_of(**c));
+        let (inside, outside): (Vec<_>, Vec<_>) = t.edge_corners.row(edge).iter().partition(is_own);
+        inside.iter().any(|a| outside.iter().any(|b| ends(a) == ends(b)))
+    };
+    !t.edges.ids().any(is_joined)
+}
+
 #[test]
-fn sets_between_chains_are_exact_on_every_garment() {
+fn sets_between_seams_are_exact_on_garments() {
     for file in garments() {
         let built = garment(&file, &["sim.smallestShell=0"]);
         let coverage = independent(&built);
         for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
+            if !is_between_seams(&built, source) {
+                continue;
+            }
             let own = coverage.overlap(source, &faces(&built.products.sim, &subset.name));
             assert!(own > 0.9999, "{file:?}: {} has {own} in common with its source", subset.name);
         }
@@ -101,9 +126,20 @@ fn sets_between_chains_are_exact_on_every_garment() {
     }
 }
 
-/// Sets of more than a hundredth of a garment that agree by less than 97 %, with the least that they may; a number here may
-/// only be raised.
-const BELOW: [(&str, &str, f64); 1] = [("coat.usda", "sleeve_under_left", 0.9688)];
+/// Sets of more than a hundredth of a garment that agree by less than 97 %, by how their names start, with the least that they may;
+/// a number here may only be raised.
+const BELOW: [(&str, &str, f64); 7] = [
+    ("coat.usda", "sleeve_under_left", 0.9688),
+    // Triangles cut across the rims of thin boxes.
+    ("closed_pockets.usdc", "panel04", 0.9569),
+    ("closed_pockets.usdc", "panel06", 0.9598),
+    // About one triangle wide.
+    ("narrow_sets.usdc", "panel02", 0.9533),
+    ("narrow_sets.usdc", "placket", 0.8426),
+    ("narrow_sets.usdc", "stripe", 0.8484),
+    // Two or three triangles, less than a hundredth of the garment.
+    ("tiny_shells.usdc", "panel", 0.6259),
+];
 
 /// Area that whole triangles may leave on the wrong side of a border, for each edge length of it, in squares of that length.
 /// A line crosses some 2.3 triangles of 0.43 there, and leaves an eighth of each on its other side.
@@ -123,7 +159,7 @@ fn border(garment: &Mesh, set: &[FaceId]) -> (usize, f64) {
 }
 
 #[test]
-fn sets_without_chains_follow_their_borders() {
+fn sets_without_chains_follow_their_borders_on_garments() {
     for file in garments() {
         let built = garment(&file, &FREE);
         let coverage = independent(&built);
@@ -140,8 +176,13 @@ fn sets_without_chains_follow_their_borders() {
                 // Whole triangles cannot follow a border more closely.
                 let (count, sum) = border(&built.products.sim, &own);
                 let beside = MOST_BESIDE * border(&built.garment, source).1 * sum / count.max(1) as f64;
-                let known = BELOW.iter().find(|k| file.ends_with(k.0) && subset.name == k.1).map_or(0.97, |k| k.2);
-                let least = (1.0 - beside / area).max(if area < 0.01 * whole { 0.0 } else { known });
+                let least = 1.0 - beside / area;
+                let known = BELOW.iter().find(|k| file.ends_with(k.0) && subset.name.starts_with(k.1)).map(|k| k.2);
+                let least = match known {
+                    known if area >= 0.01 * whole => least.max(known.unwrap_or(0.97)),
+                    Some(known) => least.min(known),
+                    None => least,
+                };
                 missed.push((subset.name.clone(), agreement, least));
             }
         }
@@ -167,9 +208,13 @@ fn parts(source: &[FaceId], coverage: &Coverage) -> Vec<(FaceId, f64, f64)> {
     (0..coverage.sources.rows()).map(part).filter(|p| p.1 > 0.0).collect()
 }
 
+/// The sets that a warning calls too narrow.
+fn told_blurred(built: &Built) -> Vec<&String> {
+    built.warnings.iter().filter(|w| w.code == Code::SetsBlurred).flat_map(|w| &w.names).collect()
+}
+
 #[test]
-fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
-    let mut blurred = 0;
+fn labels_on_garments_are_the_best_that_whole_triangles_allow() {
     for file in garments() {
         for length in [None, Some(0.5)] {
             let whole = garment(&file, &FREE);
@@ -182,8 +227,7 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
                 }
             };
             let coverage = independent(&built);
-            let told: Vec<&String> =
-                built.warnings.iter().filter(|w| w.code == Code::SetsBlurred).flat_map(|w| &w.names).collect();
+            let told = told_blurred(&built);
             for subset in built.garment.subsets.iter() {
                 let Elements::Faces(source) = &subset.elements else { continue };
                 let set = faces(&built.products.sim, &subset.name);
@@ -201,7 +245,6 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
                 );
                 let agreement = coverage.agreement(source, &set);
                 let is_told = told.contains(&&subset.name);
-                blurred += usize::from(is_told);
                 assert!(
                     agreement > 0.96 || is_told || set.is_empty(),
                     "{file:?}: {} agrees by {agreement}",
@@ -211,14 +254,25 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
             }
         }
     }
-    assert!(blurred > 0, "some sets are too small");
+}
+
+#[test]
+fn sets_about_one_triangle_wide_are_told() {
+    let built = garment(&named("narrow_sets.usdc"), &FREE);
+    let told = told_blurred(&built);
+    for name in ["stripe_2", "stripe_6", "stripe_10", "placket_0", "placket_10", "placket_20"] {
+        assert!(told.iter().any(|told| *told == name), "{name} is not told: {told:?}");
+    }
+    for name in ["panel00", "panel01"] {
+        assert!(told.iter().all(|told| *told != name), "{name} is large");
+    }
 }
 
 /// Share of a triangle's area that makes no difference.
 const SLIVER: f32 = 0.02;
 
 #[test]
-fn what_differs_lies_within_an_edge_of_the_border() {
+fn what_differs_on_garments_lies_within_an_edge_of_the_border() {
     for file in garments() {
         let built = garment(&file, &FREE);
         let (coverage, product) = (independent(&built), built.product());
@@ -319,8 +373,7 @@ fn five_hundred_sets_and_sets_named_like_ours() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let file = garments().into_iter().find(|f| f.ends_with("coat.usda")).expect("the coat");
-    let built = garment(&file, &["sim.constraints="]);
+    let built = garment(&named("coat.usda"), &["sim.constraints="]);
     let product = built.product();
     let at = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");

@@ -2,7 +2,7 @@
 
 import { execFile, spawn } from "node:child_process";
 import { once } from "node:events";
-import { cpSync, existsSync, mkdtempSync, rmSync } from "node:fs";
+import { cpSync, mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { basename, join } from "node:path";
 import { promisify } from "node:util";
@@ -21,13 +21,8 @@ export function example(name) {
   return join(ROOT, "examples", name);
 }
 
-/** A garment that is shared with other projects, or null where it is not there, which is said. */
-export function sharedGarment(name) {
-  const path = join(ROOT, "..", "shared", "garments", name);
-  if (existsSync(path)) return path;
-  console.log(`NOT TESTED: ${path} is not there`);
-  return null;
-}
+/** A suit of several layers, the largest garment of the project. */
+export const SUIT = join(ROOT, "tests/garments/layered_suit.usdc");
 
 /** A folder that is removed after the test. */
 export function temporaryFolder(test) {
