@@ -1,10 +1,9 @@
-//! Programs that Debian or Ubuntu installs.
+//! Programs on the path, and those that Debian or Ubuntu installs on request.
 
 use std::env;
 use std::path::PathBuf;
-use std::process::Command;
 
-use crate::process;
+use crate::process::{self, Outcome};
 use crate::project::Project;
 
 /// The first of some programs on the path.
@@ -13,23 +12,14 @@ pub fn on_path(names: &[&str]) -> Option<PathBuf> {
     names.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
 }
 
-/// True if a program is on the path, or could be installed from the package of its name.
-pub fn has(project: &Project, program: &str) -> bool {
-    on_path(&[program]).is_some() || install(project, program)
-}
-
-/// True if Debian's package manager is here, may be used, and has installed a package.
-pub fn install(project: &Project, package: &str) -> bool {
-    let is_root = Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0");
-    let runs = |arguments: &[&str]| {
+/// Installs a package for the whole system, which needs the rights to do so. The list of packages is renewed if the known one
+/// does not do.
+pub fn install(project: &Project, package: &str) -> Outcome {
+    let run = |arguments: &[&str]| {
         let mut command = project.command("apt-get");
-        command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
-        process::run_quietly(&mut command).is_ok()
+        process::run_quietly(command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive"))
     };
-    if !is_root {
-        return false;
-    }
     eprintln!("installing {package}");
     let arguments = ["install", "--yes", "--no-install-recommends", package];
-    runs(&arguments) || (runs(&["update"]) && runs(&arguments))
+    run(&arguments).or_else(|_| run(&["update"]).and_then(|()| run(&arguments)))
 }

@@ -52,7 +52,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
     };
     let extension = pack(project, &wheel)?;
     let mut outcome = Ok(());
-    for blender in blenders(project, run.all)? {
+    for blender in blenders(project, run.options.all)? {
         let version = &blender.version;
         let usable = venv::ensure_blender(project, &blender).and_then(|python| {
             process::run_quietly(project.command(&python).args(["-c", "import bpy"]))?;
@@ -73,7 +73,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
 
 /// Makes the environments of the step `blender`, unless they cannot be had, which that step reports.
 pub fn prepare(run: &Run<'_>) -> Outcome {
-    for blender in blenders(run.project, run.all)? {
+    for blender in blenders(run.project, run.options.all)? {
         drop(venv::ensure_blender(run.project, &blender));
     }
     Ok(())

@@ -1,5 +1,4 @@
-//! Tests of the preview in a real browser: Playwright drives a Chromium that is on the path, that Debian or Ubuntu
-//! installs, or that a package of npm carries.
+//! Tests of the preview in a real browser: Playwright drives a Chromium that is on the path, or that a package of npm carries.
 
 use std::env;
 use std::fs;
@@ -34,10 +33,10 @@ const LONG: [&str; 8] = [
 /// Runs the tests.
 pub fn test(run: &Run<'_>) -> Outcome {
     let mut command = node_with_browser(run.project, Profile::Tested)?;
-    command.args(["--test", "--test-concurrency=1", "--test-timeout=300000"]).args(run.extra);
+    command.args(["--test", "--test-reporter=spec", "--test-concurrency=1", "--test-timeout=300000"]).args(run.extra);
     // Files that are named after -- replace these.
     if !run.extra.iter().any(|word| word.ends_with(".mjs")) {
-        command.args(files(run.project, run.all)?);
+        command.args(files(run.project, run.options.all)?);
     }
     process::run(&mut command)
 }
@@ -99,32 +98,57 @@ fn entries(folder: &Path) -> Outcome<Vec<String>> {
     Ok(names)
 }
 
+/// Fails where no browser starts, before anything compiles.
+pub fn check(run: &Run<'_>) -> Outcome {
+    if run.options.install && env::var_os("CHROMIUM").is_none() && apt::on_path(&NAMES).is_none() {
+        apt::install(run.project, "chromium")?;
+    }
+    chromium(run.project).and_then(|browser| process::run_quietly(Command::new(browser).arg("--version"))).map_err(
+        |failure| {
+            failure.hint(
+                "install Chromium (Debian: apt install chromium, or cargo xtask test --install), or name one in CHROMIUM",
+            )
+        },
+    )
+}
+
+/// A Chromium: that of the environment, one on the path, or else the one that a package of npm carries.
 fn chromium(project: &Project) -> Outcome<PathBuf> {
-    if let Some(named) = env::var_os("CHROMIUM") {
-        return Ok(named.into());
+    match env::var_os("CHROMIUM") {
+        Some(named) => Ok(named.into()),
+        None => apt::on_path(&NAMES).map_or_else(|| carried(project), Ok),
     }
-    if let Some(found) = apt::on_path(&NAMES) {
-        return Ok(found);
-    }
-    if apt::install(project, "chromium")
-        && let Some(found) = apt::on_path(&NAMES)
-    {
-        return Ok(found);
-    }
-    carried(project).map_err(|failure| failure.hint("install Chromium, or name one in CHROMIUM"))
 }
 
 /// The Chromium of a package of npm, unpacked below the target folder.
 fn carried(project: &Project) -> Outcome<PathBuf> {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        return Err(Failure::new("no Chromium is on the path"));
+    }
     let folder = project.target.join("chromium");
-    fs::create_dir_all(&folder)
-        .map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))?;
-    let install = ["install", "--no-audit", "--no-fund", "--no-save", CARRIER];
+    let unpacked = folder.join("chromium");
+    let made_from = folder.join("made-from");
+    if unpacked.is_file() && fs::read_to_string(&made_from).is_ok_and(|carrier| carrier == CARRIER) {
+        return Ok(unpacked);
+    }
+    let fault = |error| Failure::new(format!("cannot write in {}: {error}", folder.display()));
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(fault)?;
+    }
+    fs::create_dir_all(&folder).map_err(fault)?;
+    let install = ["install", "--no-audit", "--no-fund", "--no-save", "--loglevel=error", CARRIER];
     process::run_quietly(node::command(project, "npm", &folder)?.args(install))?;
-    let print = "import c from '@sparticuz/chromium'; console.log(await c.executablePath())";
     let mut command = node::command(project, "node", &folder)?;
-    let output = command.args(["--input-type=module", "--eval", print]).output();
-    let output = output.map_err(|error| Failure::new(format!("cannot unpack Chromium: {error}")))?;
-    let path = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-    if Path::new(&path).is_file() { Ok(path.into()) } else { Err(Failure::new("cannot unpack Chromium")) }
+    command.args([
+        "--input-type=module",
+        "--eval",
+        "await (await import('@sparticuz/chromium')).default.executablePath()",
+    ]);
+    // It unpacks into the folder of temporary files.
+    process::run_quietly(command.env("TMPDIR", &folder))?;
+    if !unpacked.is_file() {
+        return Err(Failure::new(format!("{CARRIER} unpacks no Chromium")));
+    }
+    fs::write(made_from, CARRIER).map_err(fault)?;
+    Ok(unpacked)
 }

@@ -67,10 +67,11 @@ pub fn fmt(run: &Run<'_>) -> Outcome {
 
 /// Clippy on all targets. The library alone, as other programs use it, is compiled but not read again.
 pub fn clippy(run: &Run<'_>) -> Outcome {
-    let mut command = cargo(run.project, "clippy");
-    process::run(command.args(["--workspace", "--all-targets", "--", "-D", "warnings"]))?;
-    let mut command = cargo(run.project, "rustc");
-    process::run(command.args(["--profile", "check", "--lib", "--no-default-features", "--", "-D", "warnings"]))
+    let mut all = cargo(run.project, "clippy");
+    all.args(["--workspace", "--all-targets", "--", "-D", "warnings"]);
+    let mut bare = cargo(run.project, "rustc");
+    bare.args(["--profile", "check", "--lib", "--no-default-features", "--", "-D", "warnings"]);
+    process::run_all(&mut [all, bare])
 }
 
 /// Draws the pages of the crates in `target/doc`; with `all` those of the plugin too, for which the library is checked again.
@@ -89,7 +90,7 @@ pub fn compile(run: &Run<'_>) -> Outcome {
 /// Runs the Rust tests.
 pub fn test(run: &Run<'_>) -> Outcome {
     let mut command = cargo(run.project, "test");
-    process::run(command.arg("--workspace").args(run.extra).envs(run.variables()))
+    process::run(command.args(["--workspace", "--no-fail-fast"]).args(run.extra).envs(run.variables()))
 }
 
 /// Writes the declarations of the preview's messages for its page. The test that compares them makes them.

@@ -5,6 +5,7 @@ mod apt;
 mod blender;
 mod browser;
 mod cargo;
+mod garments;
 mod golden;
 mod links;
 mod node;
@@ -67,6 +68,9 @@ Options of test:
   --all                        Run the long tests too: all wheels of usd-core and versions of Blender, long attacks and fuzz
                                replays, all files of browser tests
   --alone                      Run the named steps without their prerequisites
+  --install                    Let apt-get install Chromium and Valgrind for the whole system where they are missing
+  --folder FOLDER              Run the step `garments` too, on the stages of this folder
+  --bodies FOLDER              Fit these garments to bodies: base.usdc of this folder is the one that they are made for
 
 Options of plugin:
   --python PYTHON              Build for the usd-core wheel of this interpreter [default: that of target/venv]

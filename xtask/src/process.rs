@@ -1,9 +1,9 @@
 //! Runs other programs and reports their failures.
 
 use std::fmt;
-use std::io::{self, Read};
+use std::io::{self, IsTerminal, Read, Write};
 use std::path::PathBuf;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// The result of a task.
 pub type Outcome<T = ()> = Result<T, Failure>;
@@ -23,6 +23,11 @@ impl Failure {
     pub fn hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
+    }
+
+    /// The reason alone.
+    pub fn message(&self) -> &str {
+        &self.message
     }
 
     /// Adds the name of the failed step.
@@ -48,6 +53,12 @@ pub fn run(command: &mut Command) -> Outcome {
     if status.success() { Ok(()) } else { Err(Failure::new(format!("`{}` ended with {status}", shown(command)))) }
 }
 
+/// Runs all of some programs, whichever fails. The first failure is the outcome.
+pub fn run_all(commands: &mut [Command]) -> Outcome {
+    let ended: Vec<Outcome> = commands.iter_mut().map(run).collect();
+    ended.into_iter().collect()
+}
+
 /// Runs a program silently. On failure, its output is part of the message.
 pub fn run_quietly(command: &mut Command) -> Outcome {
     let output = command.output().map_err(|error| cannot_start(command, &error))?;
@@ -61,15 +72,38 @@ pub fn run_quietly(command: &mut Command) -> Outcome {
 
 /// Runs a program, and returns how it ended with all that it printed, in order.
 pub fn run_and_keep(command: &mut Command) -> Outcome<(Outcome, String)> {
-    let fault = |error: &io::Error| Failure::new(format!("cannot read the output of a program: {error}"));
+    run_and_pass(command, |_| Ok(()))
+}
+
+/// Like [`run_and_keep`], and prints its output as it comes.
+pub fn run_and_show(command: &mut Command) -> Outcome<(Outcome, String)> {
+    let mut screen = io::stderr();
+    if screen.is_terminal() {
+        // The program itself writes into a pipe.
+        command.env("CARGO_TERM_COLOR", "always").env("FORCE_COLOR", "1");
+    }
+    run_and_pass(command, |bytes| screen.write_all(bytes))
+}
+
+/// Runs a program, keeps what it prints, and passes on each part.
+fn run_and_pass(command: &mut Command, mut pass: impl FnMut(&[u8]) -> io::Result<()>) -> Outcome<(Outcome, String)> {
+    let fault = |error: &io::Error| Failure::new(format!("cannot pass on the output of a program: {error}"));
     let (mut reader, writer) = io::pipe().map_err(|error| fault(&error))?;
     let second = writer.try_clone().map_err(|error| fault(&error))?;
     let spawned = command.stdout(writer).stderr(second).spawn();
     let mut child = spawned.map_err(|error| cannot_start(command, &error))?;
     // The command holds the writing end, and reading ends when all of those are closed.
-    command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
-    let mut printed = Vec::new();
-    reader.read_to_end(&mut printed).map_err(|error| fault(&error))?;
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let (mut printed, mut part) = (Vec::new(), [0; 1 << 16]);
+    loop {
+        match reader.read(&mut part).map_err(|error| fault(&error))? {
+            0 => break,
+            count => {
+                pass(&part[..count]).map_err(|error| fault(&error))?;
+                printed.extend(&part[..count]);
+            }
+        }
+    }
     let status = child.wait().map_err(|error| cannot_start(command, &error))?;
     let outcome =
         if status.success() { Ok(()) } else { Err(Failure::new(format!("`{}` ended with {status}", shown(command)))) };

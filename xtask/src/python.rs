@@ -1,5 +1,8 @@
 //! The tests in Python: `tests/usd` with usd-core, `tests/newton` with a cloth solver.
 
+use std::path::Path;
+use std::process::Command;
+
 use crate::cargo::Profile;
 use crate::plugin;
 use crate::process::{self, Outcome, this_program};
@@ -17,6 +20,16 @@ pub fn environment(project: &Project) -> Outcome {
 
 /// Runs `tests/usd`.
 pub fn test(run: &Run<'_>) -> Outcome {
+    process::run(&mut command(run)?)
+}
+
+/// Runs those tests of `tests/usd` that any garment passes, on the garments of a folder.
+pub fn test_garments(run: &Run<'_>, folder: &Path) -> Outcome {
+    let bodies = run.options.bodies.iter().map(|bodies| ("TAILOR_BODIES", bodies));
+    process::run(command(run)?.env("TAILOR_GARMENTS", folder).envs(bodies))
+}
+
+fn command(run: &Run<'_>) -> Outcome<Command> {
     let project = run.project;
     let mut command = project.command(venv::ensure(project)?);
     // -rs lists skipped tests with their reasons.
@@ -28,7 +41,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
     command.env("USDTAILOR_PLUGIN", project.target.join("usd_plugin"));
     command.env("USDTAILOR_PLUGINS", plugin::tested(project)?);
     command.env("USDTAILOR_XTASK", this_program()?);
-    process::run(&mut command)
+    Ok(command)
 }
 
 /// Makes the environment of [`newton`], unless it cannot be had, which that step tells.

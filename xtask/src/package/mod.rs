@@ -66,7 +66,7 @@ pub fn make_tested(run: &Run<'_>) -> Outcome {
         eprintln!("SKIPPED: the Python package is NOT made for tests: they run on x86-64 Linux only");
         return Ok(());
     }
-    let wheel = make(run.project, Profile::Tested, System::of_test(run.all), plugin::older(run.all))?;
+    let wheel = make(run.project, Profile::Tested, System::of_test(run.options.all), plugin::older(run.options.all))?;
     let list = list(run.project);
     fs::write(&list, wheel.to_string_lossy().as_bytes())
         .map_err(|error| Failure::new(format!("cannot write {}: {error}", list.display())))
@@ -102,7 +102,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
 
 /// Makes the environments of the steps `wheel` and `package`.
 pub fn prepare(run: &Run<'_>) -> Outcome {
-    venv::ensure_packaging(run.project, System::of_test(run.all) == System::Oldest)?;
+    venv::ensure_packaging(run.project, System::of_test(run.options.all) == System::Oldest)?;
     venv::ensure_package_tests(run.project).map(drop)
 }
 

@@ -24,6 +24,7 @@ use crate::venv;
 use build::Target;
 use wheel::Wheel;
 
+pub use build::check_compiler;
 pub use tested::{OLDER, OLDEST, build_tested, older, tested};
 
 /// The options of the command line.
@@ -37,7 +38,7 @@ struct Options {
 }
 
 pub fn run(project: &Project, args: &[String]) -> Outcome {
-    build::check_compiler(project)?;
+    check_compiler(project)?;
     match args.split_first() {
         Some((first, rest)) if first == "verify" => verify_only(project, &Options::parse(rest)?),
         _ => make(project, &Options::parse(args)?),
@@ -87,7 +88,7 @@ fn build_for_wheel(project: &Project, profile: Profile, python: &Path, out: &Pat
 /// Builds the C++ of the plugin for the wheel of an interpreter, against a core, into a folder named by its version. `linker`
 /// compiles its loader.
 pub fn build_for_package(project: &Project, python: &Path, core: &Path, linker: &Path, folder: &Path) -> Outcome {
-    build::check_compiler(project)?;
+    check_compiler(project)?;
     let wheel = Wheel::find(project, python)?;
     let target = Target::of_wheel(project, &wheel)?;
     verify::headers(project, &wheel, &target, &[])?;

@@ -30,7 +30,7 @@ pub fn build_tested(run: &Run<'_>) -> Outcome {
     let project = run.project;
     let mut lines = Vec::new();
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        for version in older(run.all) {
+        for version in older(run.options.all) {
             match venv::ensure_wheel(project, version) {
                 Ok(python) => lines.push(build(project, python, &format!("usd_plugin-{version}"))?),
                 Err(failure) => eprintln!("SKIPPED: the plugin is NOT tested with usd-core {version}\n{failure}"),

@@ -1,193 +1,22 @@
-//! `cargo xtask test`: the test steps, and which of them a command line names.
+//! `cargo xtask test`: runs the test steps that a command line names, or all of them.
 
+mod faults;
 mod lanes;
+mod steps;
+mod table;
+mod times;
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
-use crate::{api, blender, browser, cargo, options, package, page, plugin, prose, python, site, speed};
+use steps::{GARMENTS, STEPS, Step};
 
-/// One run of a step.
-pub struct Run<'a> {
-    pub project: &'a Project,
-    /// Arguments after `--`.
-    pub extra: &'a [String],
-    /// Whether the long tests run too.
-    pub all: bool,
-}
-
-impl Run<'_> {
-    /// Environment variables of the programs that run tests: long tests look at this one.
-    pub fn variables(&self) -> Option<(&'static str, &'static str)> {
-        self.all.then_some(("TAILOR_TEST_ALL", "1"))
-    }
-}
-
-/// The steps of a lane run one after another, beside those of the other lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Lane {
-    /// Steps that compile, or use all processors.
-    Main,
-    /// Steps that wait for a network or use one processor.
-    Beside,
-}
-
-struct Step {
-    name: &'static str,
-    about: &'static str,
-    lane: Lane,
-    /// Steps that must run before this one, named or not.
-    needs: &'static [&'static str],
-    /// Steps that must run before this one if they run at all.
-    after: &'static [&'static str],
-    run: fn(&Run<'_>) -> Outcome,
-}
-
-/// A step of [`Lane::Main`] that nothing precedes.
-const MAIN: Step = Step { name: "", about: "", lane: Lane::Main, needs: &[], after: &[], run: |_| Ok(()) };
-const BESIDE: Step = Step { lane: Lane::Beside, ..MAIN };
-
-/// All steps. In a full run each lane takes its steps in this order; quick steps that fail often come first.
-const STEPS: [Step; 19] = [
-    // Before all that compiles the program, which embeds the page.
-    Step {
-        name: "page",
-        about: "the page of the preview: types and bundle",
-        run: |run| page::build(run.project),
-        ..MAIN
-    },
-    Step {
-        name: "venv",
-        about: "the Python environment target/venv",
-        run: |run| python::environment(run.project),
-        ..BESIDE
-    },
-    Step {
-        name: "tools",
-        about: "other environments of Python, packages of npm, Chromium",
-        after: &["page"],
-        run: tools,
-        ..BESIDE
-    },
-    Step { name: "fmt", about: "cargo fmt --check", run: cargo::fmt, ..MAIN },
-    Step {
-        name: "prose",
-        about: "documents, messages and comments against a list of phrases, and the length of sentences",
-        run: |run| prose::check(run.project),
-        ..BESIDE
-    },
-    Step {
-        name: "clippy",
-        about: "clippy on all targets, and the bare library, warnings denied",
-        after: &["page"],
-        run: cargo::clippy,
-        ..MAIN
-    },
-    Step {
-        name: "docs",
-        about: "rustdoc, warnings denied, and the public API against docs/api.txt",
-        after: &["page"],
-        run: |run| cargo::docs(run.project, run.all).and_then(|()| api::check(run.project)),
-        ..MAIN
-    },
-    Step {
-        name: "build",
-        about: "the program as tests run it, and the Rust tests",
-        needs: &["page"],
-        run: cargo::compile,
-        ..MAIN
-    },
-    Step {
-        name: "plugin",
-        about: "the OpenUSD plugin, for the oldest and the newest wheel",
-        needs: &["page", "venv"],
-        run: plugin::build_tested,
-        ..MAIN
-    },
-    Step {
-        name: "options",
-        about: "the schemas and docs/recipe.md against the program's table of options",
-        needs: &["page", "build", "venv"],
-        run: |run| options::check(run.project),
-        ..BESIDE
-    },
-    Step {
-        name: "site",
-        about: "the documents: links, and the site",
-        after: &["tools"],
-        run: |run| site::build(run.project),
-        ..BESIDE
-    },
-    Step {
-        name: "newton",
-        about: "cloth in the solver Newton, in an environment of its own",
-        needs: &["page", "build"],
-        after: &["tools"],
-        run: python::newton,
-        ..BESIDE
-    },
-    Step {
-        name: "speed",
-        about: "instructions of two builds against stored figures",
-        needs: &["page", "build"],
-        run: |run| speed::check(run.project),
-        ..BESIDE
-    },
-    Step {
-        name: "wheel",
-        about: "the Python package, as tests use it",
-        needs: &["page", "venv"],
-        // Both write the headers of the plugin.
-        after: &["tools", "plugin"],
-        run: package::make_tested,
-        ..BESIDE
-    },
-    Step {
-        name: "package",
-        about: "the Python package in environments of its own, and the README's tutorial with it",
-        needs: &["page", "venv", "plugin", "wheel"],
-        run: package::test,
-        ..BESIDE
-    },
-    Step {
-        name: "blender",
-        about: "the extension in Blender, in environments of its own",
-        needs: &["page", "venv", "wheel"],
-        run: blender::test,
-        ..BESIDE
-    },
-    Step { name: "rust", about: "the Rust tests", needs: &["page", "build"], run: cargo::test, ..MAIN },
-    Step {
-        name: "python",
-        about: "pytest tests/usd, with the program and the plugins",
-        needs: &["page", "build", "venv", "plugin"],
-        // Both write the headers of the plugin.
-        after: &["wheel"],
-        run: python::test,
-        ..MAIN
-    },
-    Step {
-        name: "browser",
-        about: "the preview in Chromium, with the program",
-        needs: &["page", "build"],
-        after: &["tools"],
-        run: browser::test,
-        ..MAIN
-    },
-];
+pub use steps::{Options, Run};
 
 /// Steps that take arguments after `--`.
 const TAKE_ARGUMENTS: [&str; 6] = ["rust", "python", "package", "newton", "blender", "browser"];
-
-/// The environments that steps after this one would make themselves.
-fn tools(run: &Run<'_>) -> Outcome {
-    package::prepare(run)?;
-    site::prepare(run.project)?;
-    python::prepare_newton(run.project);
-    blender::prepare(run)?;
-    browser::prepare(run.project)
-}
 
 /// The help text of the steps.
 pub fn help() -> String {
@@ -207,7 +36,7 @@ pub fn help() -> String {
 struct Command {
     steps: Vec<String>,
     extra: Vec<String>,
-    all: bool,
+    options: Options,
     alone: bool,
 }
 
@@ -217,32 +46,59 @@ impl Command {
             Some(at) => (&args[..at], &args[at + 1..]),
             None => (args, &[][..]),
         };
-        let (flags, steps): (Vec<&String>, Vec<&String>) = words.iter().partition(|word| word.starts_with('-'));
         let mut command = Self { extra: extra.to_vec(), ..Self::default() };
-        for flag in flags {
-            match flag.as_str() {
-                "--all" => command.all = true,
+        let mut rest = words.iter();
+        while let Some(word) = rest.next() {
+            match word.as_str() {
+                "--all" => command.options.all = true,
                 "--alone" => command.alone = true,
-                _ => return Err(Failure::new(format!("no flag `{flag}`")).hint("cargo xtask --help lists them")),
+                "--install" => command.options.install = true,
+                "--folder" => command.options.folder = Some(folder(word, rest.next())?),
+                "--bodies" => command.options.bodies = Some(folder(word, rest.next())?),
+                _ if word.starts_with('-') => {
+                    return Err(Failure::new(format!("no flag `{word}`")).hint("cargo xtask --help lists them"));
+                }
+                _ => command.steps.push(word.clone()),
             }
         }
-        if let Some(unknown) = steps.iter().find(|name| STEPS.iter().all(|step| step.name != name.as_str())) {
-            return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
-        }
-        command.steps = steps.into_iter().cloned().collect();
-        let takes_extra = matches!(&command.steps[..], [name] if TAKE_ARGUMENTS.contains(&name.as_str()));
-        if !extra.is_empty() && !takes_extra {
-            return Err(Failure::new(format!("arguments after -- need one step of {}", TAKE_ARGUMENTS.join(", "))));
-        }
+        command.check()?;
         Ok(command)
     }
 
-    /// The named steps and, unless they run alone, their prerequisites; all steps if none is named.
-    fn selected(&self) -> Vec<&'static Step> {
-        let named = |step: &Step| self.steps.is_empty() || self.steps.iter().any(|name| name == step.name);
-        let needed = |name: &str| !self.alone && STEPS.iter().any(|step| named(step) && step.needs.contains(&name));
-        STEPS.iter().filter(|step| named(step) || needed(step.name)).collect()
+    fn check(&self) -> Outcome {
+        if let Some(unknown) = self.steps.iter().find(|name| STEPS.iter().all(|step| step.name != name.as_str())) {
+            return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
+        }
+        let takes_extra = matches!(&self.steps[..], [name] if TAKE_ARGUMENTS.contains(&name.as_str()));
+        if !self.extra.is_empty() && !takes_extra {
+            return Err(Failure::new(format!("arguments after -- need one step of {}", TAKE_ARGUMENTS.join(", "))));
+        }
+        let (options, names_it) = (&self.options, self.steps.iter().any(|name| name == GARMENTS));
+        if options.folder.is_none() && (names_it || options.bodies.is_some()) {
+            return Err(Failure::new("no folder of garments").hint("add --folder FOLDER, with stages of garments"));
+        }
+        if options.folder.is_some() && !names_it && !self.steps.is_empty() {
+            return Err(Failure::new(format!("only the step `{GARMENTS}` takes --folder")));
+        }
+        Ok(())
     }
+
+    /// The named steps and, unless they run alone, their prerequisites; all steps if none is named. The garments of a folder are
+    /// a step where a folder is named.
+    fn selected(&self) -> Vec<&'static Step> {
+        let is_had = |step: &Step| step.name != GARMENTS || self.options.folder.is_some();
+        let is_named =
+            |step: &Step| is_had(step) && (self.steps.is_empty() || self.steps.iter().any(|n| n == step.name));
+        let needed = |name: &str| !self.alone && STEPS.iter().any(|step| is_named(step) && step.needs.contains(&name));
+        STEPS.iter().filter(|step| is_named(step) || needed(step.name)).collect()
+    }
+}
+
+/// The folder that follows a flag. Steps run in the project's root, so that it becomes absolute.
+fn folder(flag: &str, value: Option<&String>) -> Outcome<PathBuf> {
+    let named = value.ok_or_else(|| Failure::new(format!("{flag} has no folder")))?;
+    let found = std::path::absolute(named).ok().filter(|path| path.is_dir());
+    found.ok_or_else(|| Failure::new(format!("{flag}: no folder `{named}`")))
 }
 
 pub fn test(project: &Project, args: &[String]) -> Outcome {
@@ -267,7 +123,7 @@ mod tests {
         assert_eq!(names(&["python"]), ["page", "venv", "build", "plugin", "python"]);
         assert_eq!(names(&["options", "fmt"]), ["page", "venv", "fmt", "build", "options"]);
         assert_eq!(names(&["--alone", "python"]), ["python"]);
-        assert_eq!(names(&["--all"]).len(), STEPS.len());
+        assert_eq!(names(&["--all"]).len(), STEPS.len() - 1);
     }
 
     #[test]
@@ -278,6 +134,25 @@ mod tests {
                 assert!(found.needs.iter().all(|name| step.needs.contains(name)), "{} needs {need}", step.name);
             }
         }
+    }
+
+    #[test]
+    fn garments_of_a_folder_are_a_step_where_a_folder_is_named() {
+        let here = env!("CARGO_MANIFEST_DIR");
+        assert_eq!(names(&[GARMENTS, "--folder", here]), ["page", "venv", "build", "plugin", GARMENTS]);
+        assert_eq!(names(&["--folder", here]).len(), STEPS.len());
+        assert!(!names(&[]).contains(&GARMENTS));
+        assert!(parse(&[GARMENTS]).is_err() && parse(&["rust", "--folder", here]).is_err());
+        assert!(parse(&[GARMENTS, "--folder", "no such folder"]).is_err());
+    }
+
+    #[test]
+    fn a_step_of_its_own_gets_the_options_of_the_run() {
+        let here = env!("CARGO_MANIFEST_DIR");
+        let words = ["--all", "--install", "--folder", here, "--bodies", here];
+        let command = parse(&words).unwrap();
+        let again: Vec<String> = command.options.words().iter().map(|word| word.to_string_lossy().into()).collect();
+        assert_eq!(Command::parse(&again).unwrap(), command);
     }
 
     #[test]

@@ -1,0 +1,31 @@
+//! The test step `garments`: what holds for any garment, on those of a folder that is not the project's.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::cargo;
+use crate::process::{self, Failure, Outcome};
+use crate::python;
+use crate::test::Run;
+
+/// The tests that run on garments have this in their names.
+const TESTS: &str = "garments";
+/// The tables of time and quality, and of crossings.
+const TABLES: [&str; 1] = ["testing::peers::quality::table"];
+
+/// Runs the tests in Rust and in Python, and prints the tables, whichever of them fails.
+pub fn test(run: &Run<'_>) -> Outcome {
+    let folder = run.options.folder.as_deref().ok_or_else(|| Failure::new("no folder of garments"))?;
+    let mut rust = tests(run, folder);
+    rust.args(["--", "--show-output", TESTS]);
+    let mut tables = tests(run, folder);
+    tables.args(["--lib", "--", "--ignored", "--nocapture", "--exact"]).args(TABLES);
+    let ended = [process::run(&mut rust), process::run(&mut tables), python::test_garments(run, folder)];
+    ended.into_iter().collect()
+}
+
+fn tests(run: &Run<'_>, folder: &Path) -> Command {
+    let mut command = cargo::cargo(run.project, "test");
+    command.args(["--package", "tailor", "--no-fail-fast"]).env("TAILOR_GARMENTS", folder).envs(run.variables());
+    command
+}
