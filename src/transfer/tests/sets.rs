@@ -1,7 +1,7 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
 use super::sheet;
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput};
 use crate::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::recipe::Layers;
@@ -182,8 +182,12 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
                 }
             };
             let coverage = independent(&built);
-            let told: Vec<&String> =
-                built.warnings.iter().filter(|w| w.code == Code::SetsBlurred).flat_map(|w| &w.names).collect();
+            let told: Vec<&String> = built
+                .warnings
+                .iter()
+                .filter(|w| w.code == codes::tailor::SETS_BLURRED)
+                .flat_map(|w| &w.names)
+                .collect();
             for subset in built.garment.subsets.iter() {
                 let Elements::Faces(source) = &subset.elements else { continue };
                 let set = faces(&built.products.sim, &subset.name);
