@@ -2,11 +2,9 @@
 //!
 //! Whoever finds a fault writes its words; this file only holds and prints them.
 
-mod code;
-mod warning_code;
+pub mod codes;
 
-pub use code::ErrorCode;
-pub use warning_code::{Code, Severity};
+pub use codes::{ErrorCode, Severity, WarningCode};
 
 use crate::mesh::Elements;
 use serde::Serialize;
@@ -40,6 +38,7 @@ pub enum ErrorKind {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Fault {
     /// Its kind, for programs and for `usdtailor explain`.
+    #[cfg_attr(test, ts(type = "string"))]
     pub code: ErrorCode,
     /// The prim, attribute, option or file; empty where the text names it.
     pub place: String,
@@ -95,7 +94,7 @@ impl Error {
     #[cfg(feature = "usd")]
     pub(crate) fn no_thread(error: impl std::error::Error + Send + Sync + 'static) -> Self {
         Self::new(ErrorKind::Usage, "", format!("the system starts no more threads: {error}"))
-            .code(ErrorCode::NoThread)
+            .code(codes::mesh::NO_THREAD)
             .remedy("lower --jobs and --threads, or raise the limits of memory and processes (ulimit -v and -u)")
             .caused_by(error)
     }
@@ -160,7 +159,8 @@ impl std::error::Error for Error {
 #[non_exhaustive]
 pub struct Warning {
     /// Its kind.
-    pub code: Code,
+    #[cfg_attr(test, ts(type = "string"))]
+    pub code: WarningCode,
     /// How bad it is: that of its code.
     pub severity: Severity,
     /// The prim, set, option or file to select.
@@ -183,7 +183,7 @@ pub struct Warning {
 
 impl Warning {
     /// A warning without elements and without a remedy.
-    pub fn new(code: Code, place: impl fmt::Display, problem: impl Into<String>) -> Self {
+    pub fn new(code: WarningCode, place: impl fmt::Display, problem: impl Into<String>) -> Self {
         Self {
             code,
             severity: code.severity(),
@@ -198,7 +198,7 @@ impl Warning {
 
     /// An attribute, property or subset of the model that a product lacks.
     pub(crate) fn not_carried(place: impl fmt::Display, why: impl fmt::Display) -> Self {
-        Self::new(Code::NotCarried, place, format!("not carried: {why}"))
+        Self::new(codes::mesh::NOT_CARRIED, place, format!("not carried: {why}"))
     }
 
     /// An attribute, property or subset that is not carried because it cannot be read.
@@ -210,7 +210,7 @@ impl Warning {
     }
 
     /// A warning of face sets.
-    pub(crate) fn of_sets(code: Code, sets: Vec<String>, problem: impl Into<String>) -> Self {
+    pub(crate) fn of_sets(code: WarningCode, sets: Vec<String>, problem: impl Into<String>) -> Self {
         let place = format!("face sets {}", names(&sets));
         Self { names: sets, ..Self::new(code, place, problem) }
     }
@@ -302,7 +302,7 @@ impl Warnings {
     #[cfg(feature = "usd")]
     pub(crate) fn strict(&self) -> Result<(), Error> {
         let fault = |warning: &Warning| Fault {
-            code: ErrorCode::StrictWarning,
+            code: codes::mesh::STRICT_WARNING,
             place: warning.place.clone(),
             text: format!("{}: {}", warning.code, warning.with_elements()),
             remedy: warning.remedy.clone(),
@@ -360,10 +360,22 @@ mod tests {
 
     #[test]
     fn the_worst_warnings_come_first_and_others_keep_their_order() {
-        let codes = [Code::ThreadsCapped, Code::NarrowSeam, Code::NotCarried, Code::CurvesCut, Code::EmptySet];
+        let codes = [
+            codes::command::THREADS_CAPPED,
+            codes::tailor::NARROW_SEAM,
+            codes::mesh::NOT_CARRIED,
+            codes::tailor::CURVES_CUT,
+            codes::tailor::EMPTY_SET,
+        ];
         let warnings: Warnings = codes.map(|code| Warning::new(code, "", "")).into_iter().collect();
-        let order: Vec<Code> = warnings.worst_first().iter().map(|warning| warning.code).collect();
-        let expected = [Code::NotCarried, Code::EmptySet, Code::NarrowSeam, Code::CurvesCut, Code::ThreadsCapped];
+        let order: Vec<WarningCode> = warnings.worst_first().iter().map(|warning| warning.code).collect();
+        let expected = [
+            codes::mesh::NOT_CARRIED,
+            codes::tailor::EMPTY_SET,
+            codes::tailor::NARROW_SEAM,
+            codes::tailor::CURVES_CUT,
+            codes::command::THREADS_CAPPED,
+        ];
         assert_eq!(order, expected);
     }
 }

@@ -12,7 +12,7 @@ use super::process::folders::MadeFolders;
 use super::process::memory::{self, RunningStep};
 use super::variants::{self, Opening};
 use super::{Build, Output, report, text, usage};
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, Warnings, codes};
 use crate::meter::PassedLimit;
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
@@ -54,7 +54,7 @@ impl Outcome {
     /// Whether the output was there already.
     fn lost(&self) -> bool {
         let Self::Failed(error) = self else { return false };
-        error.faults.iter().any(|fault| fault.code == ErrorCode::OutputExists)
+        error.faults.iter().any(|fault| fault.code == codes::usd::OUTPUT_EXISTS)
     }
 }
 

@@ -6,7 +6,7 @@ mod shown;
 use super::process::folders::MadeFolders;
 use super::text::{print_error, print_warnings};
 use super::{Inputs, Output, report, usage};
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::fit::{Bodies, FitFigures, Fitted, fit};
 use crate::session::{OpenGarment, fit_options};
 use crate::usd::{
@@ -190,7 +190,9 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     let out = &command.output;
     if Format::of(out).is_ok_and(|format| format == Format::Usdz) {
         let fault = usage(format!("-o {}", out.display()), "a package has no layer over another file");
-        return Err(fault.code(ErrorCode::OutputPath).remedy("write .usd, .usda or .usdc, and build a package of it"));
+        return Err(fault
+            .code(codes::usd::OUTPUT_PATH)
+            .remedy("write .usd, .usda or .usdc, and build a package of it"));
     }
     let is_folder = is_folder(command, all.len());
     if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
@@ -205,7 +207,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
         let [garment, body] = [input, to].map(|file| stem(file));
         let output = if is_folder { out.join(format!("{garment}_{body}.usdc")) } else { out.clone() };
         if let Some(body) = [&command.from].into_iter().chain(&command.to).find(|body| is_same(body, &output)) {
-            let fault = usage("", format!("{} is a body", body.display())).code(ErrorCode::OutputIsInput);
+            let fault = usage("", format!("{} is a body", body.display())).code(codes::usd::OUTPUT_IS_INPUT);
             return Err(fault.remedy("write to another file; bodies are never changed"));
         }
         if known.insert((output.clone(), command.variant_set.is_some().then(|| body.clone()))) {
@@ -215,7 +217,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
             Some(_) => format!("two variants would be named {body}"),
             None => format!("two outputs would be {}", output.display()),
         };
-        let fault = usage("", what).code(ErrorCode::OutputPath);
+        let fault = usage("", what).code(codes::usd::OUTPUT_PATH);
         Err(fault.remedy("give the files other names, or fit them into separate folders"))
     };
     all.into_iter().map(task).collect()
@@ -269,7 +271,7 @@ fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
 fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, Error> {
     let first = &tasks[0];
     if tasks.iter().any(|task| task.input != first.input) {
-        let fault = usage(format!("--variant-set {set}"), "it is of one garment").code(ErrorCode::CommandLine);
+        let fault = usage(format!("--variant-set {set}"), "it is of one garment").code(codes::mesh::COMMAND_LINE);
         return Err(fault.remedy("name one input, or leave it out to write a folder"));
     }
     let (mut all, records): (Vec<_>, Vec<_>) =
@@ -366,7 +368,7 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
     let (mut source, builder, recipe) = garment.check()?;
     if !recipe.fit.to.is_empty() {
         let fault = Error::recipe("fit.to", format!("the recipe fits {} to {} already", source.whole(), recipe.fit.to));
-        return Err(fault.code(ErrorCode::OptionValue).remedy("take fit.from and fit.to out of it, or build it"));
+        return Err(fault.code(codes::mesh::OPTION_VALUE).remedy("take fit.from and fit.to out of it, or build it"));
     }
     let bodies = bodies(command, &source, files)?;
     let (rigid, keep_length) = (("--rigid", &command.rigid[..]), ("--keep-length", &command.keep_length[..]));

@@ -9,7 +9,7 @@ use super::process::memory;
 use super::text::Wording;
 use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
-use crate::error::{Error, ErrorCode, ErrorKind, Fault, Severity, Warnings};
+use crate::error::{Error, ErrorKind, Fault, Severity, Warnings, codes};
 use crate::options::{Domain, Given};
 use crate::session::OpenGarment;
 use crate::sets::ListedSet;
@@ -185,7 +185,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
 }
 
 fn is_no_mesh(error: &Error) -> bool {
-    error.faults.iter().any(|fault| fault.code == ErrorCode::NoMesh)
+    error.faults.iter().any(|fault| fault.code == codes::usd::NO_MESH)
 }
 
 /// Refuses garments beside which other prims have the names that a build without options gives.
@@ -204,7 +204,7 @@ fn fresh(source: &Source) -> Result<bool, Error> {
         }
         if !changes.is_empty() {
             let fault = Error::new(ErrorKind::Usd, layer.display(), format!("stale: {}", changes.join("; ")));
-            return Err(fault.code(ErrorCode::StaleOutput).remedy("build it again, with --force"));
+            return Err(fault.code(codes::command::STALE_OUTPUT).remedy("build it again, with --force"));
         }
     }
     Ok(!source.records().is_empty())
@@ -233,7 +233,7 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
         // The error has what is more than a note.
-        let is_strict_fault = |fault: &Fault| fault.code == ErrorCode::StrictWarning;
+        let is_strict_fault = |fault: &Fault| fault.code == codes::mesh::STRICT_WARNING;
         let is_strict = result.as_ref().is_err_and(|error| error.faults.iter().any(is_strict_fault));
         let warnings = found.warnings.worst_first().into_iter();
         let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);

@@ -19,7 +19,7 @@ pub use crate::meter::Counting;
 pub use program::main;
 
 use crate::DEFAULT_MAX_FACES;
-use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::error::{Error, ErrorKind, codes, plain};
 use crate::recipe::RecipeFile;
 use crate::session::{Input, OpenGarment, beside, is_usd};
 use crate::usd::{LodSchema, ReadOptions, SetChoice};
@@ -337,7 +337,7 @@ fn completions(shell: Shell) -> Output {
 fn man(folder: &Path) -> Result<Output, Error> {
     clap_mangen::generate_to(Cli::command(), folder).map_err(|e| {
         let fault = usage(folder.display(), format!("cannot write man pages: {}", plain(&e)));
-        fault.code(ErrorCode::WriteFailed).remedy("name an existing folder that you may write to")
+        fault.code(codes::usd::WRITE_FAILED).remedy("name an existing folder that you may write to")
     })?;
     Ok(Output { text: String::new(), code: 0 })
 }
@@ -373,7 +373,7 @@ impl Inputs {
         };
         source.map(|s| vec![s]).ok_or_else(|| {
             usage("", "no input")
-                .code(ErrorCode::NoInput)
+                .code(codes::command::NO_INPUT)
                 .remedy("name a USD file, or a recipe with a \"source\"; see --help")
         })
     }

@@ -1,7 +1,7 @@
 //! The program `usdtailor`. It exits with 1 for bad input, with 2 for a wrong command line, and with 70 for a fault of its own.
 
 use super::Cli;
-use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::error::{Error, ErrorCode, ErrorKind, codes, plain};
 use crate::meter::{PassedLimit, within_limit};
 use clap::Parser;
 use std::io::{self, Write};
@@ -16,7 +16,7 @@ const INTERNAL: u8 = 70;
 
 /// Codes of a wrong command line. Others of the kind are about files that it names.
 const ARGUMENTS: [ErrorCode; 4] =
-    [ErrorCode::CommandLine, ErrorCode::NoInput, ErrorCode::OptionValue, ErrorCode::UnknownOption];
+    [codes::mesh::COMMAND_LINE, codes::command::NO_INPUT, codes::mesh::OPTION_VALUE, codes::costume::UNKNOWN_OPTION];
 
 /// Where the first panic was, as file and line.
 static PANIC_PLACE: OnceLock<String> = OnceLock::new();
@@ -45,7 +45,8 @@ pub fn main() -> u8 {
 }
 
 fn too_much_memory() -> Error {
-    let fault = Error::recipe("", "the run has taken all of the memory that it may take").code(ErrorCode::TooLarge);
+    let fault =
+        Error::recipe("", "the run has taken all of the memory that it may take").code(codes::tailor::TOO_LARGE);
     fault.remedy("give fewer or smaller meshes at once, or allow more memory (--max-memory)")
 }
 

@@ -3,7 +3,7 @@
 use super::build::{Built, Outcome, Task, level_report};
 use super::text::{operator_sets, warning_json};
 use super::usage;
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, codes, plain};
 use crate::usd::{BoundTrim, write_whole};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// `force`; a folder; a missing parent folder.
 pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
     let shown = file.display();
-    let fault = |fault: &str, remedy: &str| Err(usage("", fault).code(ErrorCode::OutputPath).remedy(remedy));
+    let fault = |fault: &str, remedy: &str| Err(usage("", fault).code(codes::usd::OUTPUT_PATH).remedy(remedy));
     let there = fs::metadata(file).ok();
     if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return fault(&format!("cannot write report {shown}: it is a folder"), "name a file, such as report.json");
@@ -70,7 +70,7 @@ pub fn write(file: &Path, text: &str, force: bool) -> Result<(), Error> {
         }
         let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
         fault
-            .code(ErrorCode::WriteFailed)
+            .code(codes::usd::WRITE_FAILED)
             .remedy("check the folder's permissions and the space on its disk")
             .caused_by(e)
     })
@@ -78,7 +78,7 @@ pub fn write(file: &Path, text: &str, force: bool) -> Result<(), Error> {
 
 fn exists_already(file: &Path) -> Error {
     usage("", format!("report {} exists already", file.display()))
-        .code(ErrorCode::OutputExists)
+        .code(codes::usd::OUTPUT_EXISTS)
         .remedy("overwrite it with --force")
 }
 

@@ -2,7 +2,7 @@
 
 use super::info::listed;
 use super::{Inputs, Output, report, usage};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::Subset;
 use crate::usd::write_sets;
 use clap::Args;
@@ -38,7 +38,8 @@ impl SetsCommand {
 /// Lists the sets of a garment, or evaluates and writes some of them.
 pub fn run(command: &SetsCommand) -> Result<Output, Error> {
     let [file] = &command.inputs.files()?[..] else {
-        let fault = usage("sets", "several inputs are given, and sets are of one garment").code(ErrorCode::CommandLine);
+        let fault =
+            usage("sets", "several inputs are given, and sets are of one garment").code(codes::mesh::COMMAND_LINE);
         return Err(fault.remedy("name one input"));
     };
     let (source, builder, recipe) = command.inputs.input(file).open_one()?.check()?;
@@ -60,18 +61,20 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
     let (mut entries, mut text) = (Vec::new(), String::new());
     for assignment in &command.bake {
         let Some((name, expression)) = assignment.split_once('=') else {
-            let fault = usage(format!("--bake {assignment}"), "it has no expression").code(ErrorCode::CommandLine);
+            let fault = usage(format!("--bake {assignment}"), "it has no expression").code(codes::mesh::COMMAND_LINE);
             return Err(fault.remedy("write --bake hem='rings(borders.lowest, 2)'"));
         };
         let place = format!("--bake {name}");
         if sets.iter().any(|set| set.name == name) {
-            return Err(usage(place, "the name is given twice").code(ErrorCode::NameTaken).remedy("give each a name"));
+            return Err(usage(place, "the name is given twice")
+                .code(codes::costume::NAME_TAKEN)
+                .remedy("give each a name"));
         }
         let derived = builder.derived_set(&recipe, &place, expression)?;
         let elements = derived.elements;
         if elements.is_empty() {
             let fault =
-                Error::recipe(place, format!("\"{expression}\" has no elements")).code(ErrorCode::SetExpression);
+                Error::recipe(place, format!("\"{expression}\" has no elements")).code(codes::tailor::SET_EXPRESSION);
             let notes = derived.notes.join("; ");
             let remedy = if notes.is_empty() { "`usdtailor sets` lists those that it has".to_owned() } else { notes };
             return Err(fault.remedy(format!("change the expression: {remedy}")));

@@ -1,7 +1,7 @@
 //! `--variants`: a garment for each variant of a set, in one output.
 
 use super::{Build, usage};
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::options::did_you_mean;
 use crate::session::{Input, OpenGarment};
 use crate::usd::{Selection, Source};
@@ -24,7 +24,7 @@ pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
             format!("-o {}", build.output.display()),
             "a package is flattened, and has no variants then",
         )
-        .code(ErrorCode::OutputPath)
+        .code(codes::usd::OUTPUT_PATH)
         .remedy("write .usda or .usdc with --variants"));
     }
     let openings = each(set, &input)?;
@@ -73,7 +73,7 @@ pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
 
 /// Whether a variant has no mesh, or not the one that is named.
 fn is_without_mesh(error: &Error) -> bool {
-    error.faults.iter().all(|fault| [ErrorCode::NoMesh, ErrorCode::WrongPrim].contains(&fault.code))
+    error.faults.iter().all(|fault| [codes::usd::NO_MESH, codes::mesh::WRONG_PRIM].contains(&fault.code))
 }
 
 /// Each variant of a set on a prim that has all garments below it.
@@ -81,7 +81,7 @@ fn choices(set: &str, garments: &[OpenGarment]) -> Result<Vec<Selection>, Error>
     let sets = garments.first().map_or(&[][..], |garment| &garment.source.facts().variants);
     let prim = garments.first().map(|garment| garment.source.prim()).unwrap_or_default();
     let known: Vec<&str> = sets.iter().map(|set| set.selected.set.as_str()).collect();
-    let fault = |text: String| usage(format!("--variants {set}"), text).code(ErrorCode::CommandLine);
+    let fault = |text: String| usage(format!("--variants {set}"), text).code(codes::mesh::COMMAND_LINE);
     let Some(found) = sets.iter().find(|known| known.selected.set == set) else {
         let remedy = match known[..] {
             [] => "build without --variants".to_owned(),
@@ -108,5 +108,7 @@ pub fn refuse_products(source: &Source, flag: impl std::fmt::Display, variants: 
         return Ok(());
     }
     let text = format!("{} has products already, which would hide those of {variants}", source.prim());
-    Err(usage(flag, text).code(ErrorCode::NameTaken).remedy("name the garment that they were made from as the input"))
+    Err(usage(flag, text)
+        .code(codes::costume::NAME_TAKEN)
+        .remedy("name the garment that they were made from as the input"))
 }

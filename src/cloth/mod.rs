@@ -19,7 +19,7 @@ pub(crate) use pieces::{COVERED, LOOSE_AREA};
 use rest::CageStretch;
 pub use rest::{Pattern, Rest, RestFigures};
 
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{FaceId, VertexId};
 use crate::sim::SimProduct;
@@ -191,7 +191,7 @@ impl Cloth {
     fn no_panels(&self) -> Option<Warning> {
         let problem = "the cloth rests as modelled, so there are no panels to write";
         (self.panels && self.rest.is_none()).then(|| {
-            Warning::new(Code::NoPanels, "cloth.panels", problem)
+            Warning::new(codes::costume::NO_PANELS, "cloth.panels", problem)
                 .remedy("Lay the UVs out as a sewing pattern, and set cloth.rest to auto")
         })
     }
@@ -201,7 +201,8 @@ impl Cloth {
         let is_empty = self.pins.is_empty() && !options.pins.is_empty();
         let problem = "the sets have no vertex on the simulation mesh, so nothing is held";
         is_empty.then(|| {
-            Warning::new(Code::NothingPinned, "cloth.pins", problem).remedy("Name sets with edges or points of cloth")
+            Warning::new(codes::costume::NOTHING_PINNED, "cloth.pins", problem)
+                .remedy("Name sets with edges or points of cloth")
         })
     }
 }

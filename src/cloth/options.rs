@@ -1,7 +1,7 @@
 //! Options of the cloth that a solver simulates.
 
 use super::fabric::{FABRICS, Fabric};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::{Mesh, Subset};
 use crate::options::{Domain, Given, OptionValue, options};
 use serde::{Deserialize, Serialize};
@@ -80,7 +80,7 @@ impl ClothOptions {
                 format!("chaos writes panels as subsets {pattern}_0, {pattern}_1, ... of a family \"{pattern}\"");
             let fault = format!("{fault}, and {} has the subset {} there", garment.prim, set.name);
             return Err(Error::recipe("cloth.physics", fault)
-                .code(ErrorCode::NameTaken)
+                .code(codes::costume::NAME_TAKEN)
                 .remedy("rename the subset and its family"));
         }
         Ok(())

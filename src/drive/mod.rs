@@ -26,7 +26,7 @@
 
 mod frames;
 
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 pub(crate) use frames::BindFrames;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -156,7 +156,7 @@ impl Bound {
 
 /// The error of a bind pose whose parts do not fit.
 fn fault(text: String) -> Error {
-    Error::new(ErrorKind::Mesh, "binding", text).code(ErrorCode::StaleBinding).remedy("build the garment again")
+    Error::new(ErrorKind::Mesh, "binding", text).code(codes::costume::STALE_BINDING).remedy("build the garment again")
 }
 
 #[cfg(test)]

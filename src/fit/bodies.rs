@@ -1,7 +1,7 @@
 //! A body in two shapes.
 
 use super::triangle::{TriangleSearch, at};
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 use crate::garment::{Meaning, Mesh, Orientation, Primvar, PrimvarRole, Values};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ impl Bodies {
         let spline = ThinPlate::new(pairs).map_err(|text| {
             let remedy =
                 format!("give 4 to {MOST_PAIRS} pairs that are not all in one plane, such as one for each joint");
-            Error::new(ErrorKind::Mesh, &to.prim, text).code(ErrorCode::BodiesDiffer).remedy(remedy)
+            Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::costume::BODIES_DIFFER).remedy(remedy)
         })?;
         let points = as_doubles(to);
         let search = TriangleSearch::new(fans(to).iter().map(|t| t.map(|v| points[v])).collect());
@@ -169,7 +169,7 @@ pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
 fn by_uvs(from: &Mesh, to: &Mesh) -> Result<Vec<DVec3>, Error> {
     let fault = |text: String| {
         let remedy = "name bodies of the same faces, or with a common UV set";
-        Error::new(ErrorKind::Mesh, &to.prim, text).code(ErrorCode::BodiesDiffer).remedy(remedy)
+        Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::costume::BODIES_DIFFER).remedy(remedy)
     };
     let (a, b) = (from.points.len(), to.points.len());
     let other = format!("it has other faces than {} ({b} points, not {a})", from.prim);

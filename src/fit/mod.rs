@@ -22,7 +22,7 @@ use figures::Ending;
 pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
 pub use options::{BodyOptions, PanelRest};
 
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::error::{Error, ErrorKind, Warning, Warnings, codes};
 use crate::garment::Mesh;
 use crate::mesh::{Elements, FaceId, VertexId};
 use cage::Cage;
@@ -119,7 +119,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     let steps = path.steps.iter().map(step).collect();
     if points.iter().any(|p| !p.is_finite()) {
         let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
-        return Err(fault.code(ErrorCode::MeshSize).remedy("give both bodies and the garment the same units"));
+        return Err(fault.code(codes::tailor::MESH_SIZE).remedy("give both bodies and the garment the same units"));
     }
     Ok(Fitted { points, steps, figures, warnings })
 }
@@ -145,7 +145,7 @@ fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
         return None;
     };
     Some(
-        Warning::new(Code::OffBody, &mesh.prim, problem)
+        Warning::new(codes::costume::OFF_BODY, &mesh.prim, problem)
             .remedy("Name the body that the garment was made for by --from, in the same place and unit"),
     )
 }
@@ -164,7 +164,7 @@ fn left_behind(mesh: &Mesh, path: &Path, end: &Ending, figures: &FitFigures) -> 
         return None;
     };
     Some(
-        Warning::new(Code::FitLeftBehind, &mesh.prim, problem)
+        Warning::new(codes::costume::FIT_LEFT_BEHIND, &mesh.prim, problem)
             .at(Elements::Points(sunk.into_iter().map(VertexId::new).collect()))
             .remedy("Compare the bodies, and the sets of --rigid and --keep-length: there is no room, or what corresponds does not"),
     )
@@ -177,7 +177,7 @@ fn new_crossings(mesh: &Mesh, path: &Path, end: &Ending) -> Option<Warning> {
     let faces: BTreeSet<usize> = found.body.difference(&start.body).chain(own).copied().collect();
     (!faces.is_empty()).then(|| {
         let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
-        Warning::new(Code::FitCrosses, &mesh.prim, problem)
+        Warning::new(codes::costume::FIT_CROSSES, &mesh.prim, problem)
             .at(Elements::Faces(faces.into_iter().map(FaceId::new).collect()))
             .remedy("Give the garment more ease there, or move these points by hand")
     })

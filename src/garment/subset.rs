@@ -1,6 +1,6 @@
 //! Named sets of elements (`UsdGeomSubset`) and their families.
 
-use crate::error::{Code, Warning};
+use crate::error::{Warning, WarningCode};
 use crate::mesh::Elements;
 
 /// Family of the borders and seams of a simulation mesh.
@@ -22,7 +22,7 @@ pub struct Subset {
 }
 
 /// A warning of face sets, with the faces of all of them.
-pub(crate) fn face_sets_warning(code: Code, sets: &[&Subset], problem: String) -> Warning {
+pub(crate) fn face_sets_warning(code: WarningCode, sets: &[&Subset], problem: String) -> Warning {
     let mut faces = Elements::Faces(Vec::new());
     sets.iter().for_each(|set| faces.merge(&set.elements));
     Warning::of_sets(code, sets.iter().map(|set| set.name.clone()).collect(), problem).at(faces)

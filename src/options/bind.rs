@@ -1,6 +1,6 @@
 //! Checks of options against a garment. Every fault names the option and the remedy.
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::{Interpolation, LeftOut, Mesh, Primvar, Subset, Values};
 
 /// Largest length or height of an operator, which looks for other cloth as far as it reaches, and of a cloth.
@@ -53,7 +53,7 @@ pub fn subset_of(garment: &Mesh, key: &str, name: &str, of: &[&str]) -> Result<(
     };
     let known_sets = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     let remedy = format!("{}its {kinds} subsets are: {known_sets}{elsewhere}", did_you_mean(name, &known));
-    Err(Error::recipe(key, fault).code(ErrorCode::UnknownSubset).remedy(remedy))
+    Err(Error::recipe(key, fault).code(codes::mesh::UNKNOWN_SUBSET).remedy(remedy))
 }
 
 /// The option that takes subsets of a kind.
@@ -106,7 +106,7 @@ pub fn primvar<'a>(
         format!("{}the mesh has: {}", did_you_mean(name, &names), names.join(", "))
     };
     let fault = format!("\"{name}\" is not a {kind} of {}", garment.prim);
-    Err(Error::recipe(key, fault).code(ErrorCode::UnknownPrimvar).remedy(remedy))
+    Err(Error::recipe(key, fault).code(codes::mesh::UNKNOWN_PRIMVAR).remedy(remedy))
 }
 
 /// The painted weights that `key` names; none where the name is empty.

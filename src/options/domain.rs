@@ -2,7 +2,7 @@
 
 use super::Given;
 use super::bind::{fits_garment, float_primvar, subset_of};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::Mesh;
 use serde::Serialize;
 
@@ -111,7 +111,7 @@ impl Domain {
             (Self::Words { words }, Given::Names(given)) => given.iter().try_for_each(|word| one_of(key, word, words)),
             (Self::PrimPath, Given::Text(path)) => prim_path(key, path),
             (Self::Prims, Given::Names([])) => Err(Error::recipe(key, "it names no prim")
-                .code(ErrorCode::WrongPrim)
+                .code(codes::mesh::WRONG_PRIM)
                 .remedy("name a mesh, curves, points or a PointInstancer")),
             (Self::Prims, Given::Names(paths)) => paths.iter().try_for_each(|path| prim_or_name(key, path)),
             (Self::Sets { of, required: true }, Given::Names([])) => Err(no_set(key, of)),
@@ -182,7 +182,8 @@ fn prim_or_name(key: &str, path: &str) -> Result<(), Error> {
     if are_names(path.strip_prefix('/').unwrap_or(path)) {
         return Ok(());
     }
-    let fault = Error::recipe(key, format!("\"{path}\" is not the path or name of a prim")).code(ErrorCode::WrongPrim);
+    let fault =
+        Error::recipe(key, format!("\"{path}\" is not the path or name of a prim")).code(codes::mesh::WRONG_PRIM);
     Err(fault.remedy("write it as /Coat/buttons, or as buttons where it is beside the mesh"))
 }
 
@@ -190,12 +191,12 @@ fn prim_path(key: &str, path: &str) -> Result<(), Error> {
     if path.is_empty() || path.strip_prefix('/').is_some_and(are_names) {
         return Ok(());
     }
-    let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(ErrorCode::WrongPrim);
+    let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(codes::mesh::WRONG_PRIM);
     Err(fault.remedy("write it as /Body/hips, or leave it empty"))
 }
 
 fn no_set(key: &str, of: &[&str]) -> Error {
     let kinds = of.join(" or ");
-    let fault = Error::recipe(key, format!("it names no {kinds} subset")).code(ErrorCode::UnknownSubset);
+    let fault = Error::recipe(key, format!("it names no {kinds} subset")).code(codes::mesh::UNKNOWN_SUBSET);
     fault.remedy(format!("name one of the {kinds} subsets of the mesh"))
 }

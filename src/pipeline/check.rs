@@ -1,6 +1,6 @@
 //! Checks of a mesh and of sizes that need more than single attributes.
 
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 use crate::garment::{BoundaryInterpolation, Mesh};
 use crate::mesh::{Topology, VertexId};
 use crate::recipe::Recipe;
@@ -25,7 +25,7 @@ pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
     if !USABLE_LENGTHS.contains(&mean_edge) {
         let remedy = "scale the points, and metersPerUnit with them, so that a garment measures 0.1 to 1000 units";
         let fault_text = format!("the mean edge length is {mean_edge:e}, too far from 1 to compute with");
-        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(ErrorCode::MeshSize));
+        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(codes::tailor::MESH_SIZE));
     }
     if garment.faces.ids().all(|f| garment.doubled_normal(f).length() == 0.0) {
         return fault("points", "no face has an area".into(), "give the points their positions");
@@ -45,7 +45,7 @@ pub fn levels(garment: &Mesh, recipe: &Recipe) -> Result<(), Error> {
         let faces = refined_faces(garment, level);
         if faces > MAX_REFINED_FACES && level > 0 {
             let fault = format!("level {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
-            return Err(Error::recipe(key, fault).code(ErrorCode::TooLarge).remedy("lower the level"));
+            return Err(Error::recipe(key, fault).code(codes::tailor::TOO_LARGE).remedy("lower the level"));
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 //! its products are moved back.
 
 use crate::cloth::{Cloth, Rest};
-use crate::error::{Code, Error, ErrorKind, Warning};
+use crate::error::{Error, ErrorKind, Warning, codes};
 use crate::garment::Mesh;
 use crate::step::{Same, Step};
 use glam::Vec3;
@@ -60,7 +60,8 @@ impl LocalFrame {
         }
         let problem =
             format!("the mesh is {far:e} units from the origin: points of the products are rounded to {step}");
-        let warning = Warning::new(Code::FarFromOrigin, place, problem).amount(step / mean_edge).remedy(remedy);
+        let warning =
+            Warning::new(codes::tailor::FAR_FROM_ORIGIN, place, problem).amount(step / mean_edge).remedy(remedy);
         Ok((step > ROUNDED * mean_edge).then_some(warning))
     }
 

@@ -1,7 +1,7 @@
 //! How much memory a build needs, from sizes that are known before it.
 
 use super::sim::{expected_faces, surface_level};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::Mesh;
 use crate::recipe::{Resolved, ResolvedSim};
 use crate::subdivide::refined_faces;
@@ -83,7 +83,7 @@ impl MemoryEstimate {
             gigabytes(limit)
         );
         Err(Error::recipe(key, fault)
-            .code(ErrorCode::TooLarge)
+            .code(codes::tailor::TOO_LARGE)
             .remedy(format!("{remedy}, or allow more memory (--max-memory of the command)")))
     }
 }

@@ -29,7 +29,7 @@ pub use progress::{Progress, Timing};
 #[cfg(test)]
 pub use sim::baseline;
 
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{FaceNumbers, Garment, Mesh, Scheme, Subset, check_garment, split_repeats};
 use crate::mesh::Elements;
 use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
@@ -120,11 +120,13 @@ impl Builder {
         if garment.prim.rfind('/') == Some(0) {
             let problem = "the model is a root prim, and so are the products: a reference to the file's default prim \
                            leaves them out";
-            warnings.push(Warning::new(Code::RootMesh, &garment.prim, problem).remedy("Put the model below an Xform"));
+            warnings.push(
+                Warning::new(codes::tailor::ROOT_MESH, &garment.prim, problem).remedy("Put the model below an Xform"),
+            );
         }
         if garment.rules.scheme == Scheme::None {
             let problem = "subdivisionScheme is none: faces stay flat and are split in quads";
-            let warning = Warning::new(Code::PolygonalCage, &garment.prim, problem);
+            let warning = Warning::new(codes::tailor::POLYGONAL_CAGE, &garment.prim, problem);
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
         let frame = LocalFrame::of(&garment);

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 
 /// A file of the page.
 pub struct File {
@@ -50,6 +50,6 @@ pub fn check() -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::new(ErrorKind::Usage, "preview", "this program was built without the page")
-        .code(ErrorCode::PreviewServer)
+        .code(codes::preview::PREVIEW_SERVER)
         .remedy("run `cargo xtask page`, and build the program again; `cargo usdtailor preview` does both"))
 }

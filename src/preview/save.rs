@@ -9,7 +9,7 @@ use super::document::Options;
 use super::hub::Hub;
 use super::messages::{SaveMessage, SaveStatus};
 use super::stage::Stage;
-use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::error::{Error, ErrorKind, codes, plain};
 use crate::files::{self, folder_of};
 use crate::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
 use crate::session::Input;
@@ -78,7 +78,7 @@ impl Content {
             return Ok(());
         }
         let text = "a layer has the options of single meshes, and panels are sewn together here";
-        let fault = Error::new(ErrorKind::Usage, file.display(), text).code(ErrorCode::OutputPath);
+        let fault = Error::new(ErrorKind::Usage, file.display(), text).code(codes::usd::OUTPUT_PATH);
         Err(fault.remedy("save a .tailor file"))
     }
 
@@ -108,7 +108,7 @@ impl Content {
 
     /// The text of a `.tailor` file.
     fn recipe_file(&self, file: &Path) -> Result<String, Error> {
-        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text).code(ErrorCode::OutputPath);
+        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text).code(codes::usd::OUTPUT_PATH);
         if !self.read.variants.is_empty() {
             return Err(fault("a .tailor file holds no variants, and variants were selected here")
                 .remedy("save a USD layer, which holds them"));
@@ -136,7 +136,7 @@ impl Content {
         let text = self.recipe_file(file)?;
         let fault = |e: std::io::Error| {
             Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e)))
-                .code(ErrorCode::WriteFailed)
+                .code(codes::usd::WRITE_FAILED)
                 .caused_by(e)
         };
         let target = files::target(file).map_err(fault)?;
@@ -147,7 +147,7 @@ impl Content {
         temporary.persist(&target, overwrite).map_err(|e| match e.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Error::new(ErrorKind::Usage, file.display(), "the file exists already")
-                    .code(ErrorCode::OutputExists)
+                    .code(codes::usd::OUTPUT_EXISTS)
                     .remedy("choose overwrite, or another name")
             }
             _ => fault(e),
@@ -161,7 +161,7 @@ impl Content {
         let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open_one()?;
         let fault = |text: &str| {
             Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written"))
-                .code(ErrorCode::NotWrittenBack)
+                .code(codes::usd::NOT_WRITTEN_BACK)
                 .remedy("save to a new file")
         };
         if opened.mesh != self.stage.mesh {

@@ -7,7 +7,7 @@ mod visitors;
 
 use super::hub::Hub;
 use super::{page, socket};
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{ConnectInfo, Path, Request, State};
@@ -76,7 +76,7 @@ pub fn run(hub: &Arc<Hub>, port: u16, ready: impl FnOnce(&str)) -> Result<(), Er
     run_to_end(runtime, async {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await.map_err(|e| {
             Error::new(ErrorKind::Usage, format!("--port {port}"), format!("cannot be opened: {e}"))
-                .code(ErrorCode::PreviewServer)
+                .code(codes::preview::PREVIEW_SERVER)
                 .remedy("choose another port, or 0 for any that is free")
                 .caused_by(e)
         })?;

@@ -7,7 +7,7 @@ use super::messages::{
     FitMessage, GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet,
 };
 use crate::cloth::{FABRICS, Fabric};
-use crate::error::{Code, Error, Warning, counted};
+use crate::error::{Error, Warning, codes, counted};
 use crate::fit::faces_through;
 use crate::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
 use crate::mesh::FaceId;
@@ -163,7 +163,7 @@ fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error>
         return Ok(None);
     }
     let count = counted(faces.len(), "face crosses the body", "faces cross the body");
-    let warning = Warning::new(Code::FitCrosses, &checks.garment().prim, count);
+    let warning = Warning::new(codes::costume::FIT_CROSSES, &checks.garment().prim, count);
     let faces = checks.in_file(Elements::Faces(faces));
     Ok(Some(warning.at(faces).remedy("Move them out of it, or hide the skin below them")))
 }

@@ -2,7 +2,7 @@
 
 use super::groups::Form;
 use super::{in_words, is_file};
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, codes, plain};
 use crate::files;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -28,7 +28,7 @@ impl RecipeFile {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = files::text(path).map_err(|e| {
             Error::recipe(path.display(), format!("cannot read recipe: {}", plain(&e)))
-                .code(ErrorCode::RecipeFile)
+                .code(codes::costume::RECIPE_FILE)
                 .remedy("check the path")
                 .caused_by(e)
         })?;
@@ -41,7 +41,7 @@ impl RecipeFile {
     /// A text that is not a recipe, with line and column.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let fault = |e: serde_json::Error| {
-            let fault = Error::recipe(path.display(), in_words(&e)).code(ErrorCode::RecipeFile);
+            let fault = Error::recipe(path.display(), in_words(&e)).code(codes::costume::RECIPE_FILE);
             fault.remedy("a recipe is JSON, such as {\"sim\": {\"maxEdgeLength\": 2}}").caused_by(e)
         };
         // Some editors write a byte order mark.
@@ -59,7 +59,7 @@ impl RecipeFile {
     /// A missing source, or one that is itself a recipe.
     pub fn required_source(&self, path: &Path) -> Result<&str, Error> {
         let fault = |fault: &str, remedy: &str| {
-            Err(Error::recipe(path.display(), fault).code(ErrorCode::RecipeFile).remedy(remedy))
+            Err(Error::recipe(path.display(), fault).code(codes::costume::RECIPE_FILE).remedy(remedy))
         };
         match self.source.as_deref() {
             None | Some("") => fault("it names no source", "add \"source\": \"coat.usda\", relative to the file"),

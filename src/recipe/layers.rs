@@ -2,7 +2,7 @@
 
 use super::groups::{OPERATORS, all, find, group_with_instances, split};
 use super::{Domain, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, value_type};
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::error::{Error, ErrorKind, Warning, Warnings, codes};
 use crate::garment::units::meters_of;
 use crate::garment::{Mesh, Units};
 use crate::options::nearest;
@@ -77,7 +77,7 @@ impl Layers {
                 if named.is_none() {
                     let problem = format!("{schema}{name} is applied, and tailor:{kind}:{name}:{sets} names no set");
                     let remedy = format!("Target the {sets} with tailor:{kind}:{name}:{sets}, or remove the schema");
-                    warnings.push(Warning::new(Code::SchemaWithoutSets, prim, problem).remedy(remedy));
+                    warnings.push(Warning::new(codes::costume::SCHEMA_WITHOUT_SETS, prim, problem).remedy(remedy));
                 }
             }
         }
@@ -144,7 +144,7 @@ impl Layers {
     pub fn add_override(&mut self, assignment: &str) -> Result<(), Error> {
         let (key, text) = assignment.split_once('=').ok_or_else(|| {
             let fault = Error::new(ErrorKind::Usage, format!("--set {assignment}"), "it has no value")
-                .code(ErrorCode::OptionValue);
+                .code(codes::mesh::OPTION_VALUE);
             fault.remedy("write --set sim.maxEdgeLength=2")
         })?;
         self.add_text("--set", key.trim(), text.trim())
@@ -156,17 +156,17 @@ impl Layers {
     /// A key that no option has, or a value of another type.
     pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
         let fault =
-            |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text).code(ErrorCode::OptionValue);
+            |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text).code(codes::mesh::OPTION_VALUE);
         let dotted = dotted(key);
         let (space, field) = dotted.split_once('.').unwrap_or((&dotted, ""));
         let Some(default) = default_of(&dotted) else {
             let likely = nearest_key(&dotted).map(|key| format!("did you mean {key}? ")).unwrap_or_default();
             let remedy = format!("{likely}the options are {}", all_keys().join(", "));
-            return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(remedy));
+            return Err(fault("there is no such option".into()).code(codes::costume::UNKNOWN_OPTION).remedy(remedy));
         };
         if let Some(("", _)) = split(space, field) {
             let remedy = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
-            return Err(fault(format!("the {space} has no name")).code(ErrorCode::UnknownOption).remedy(remedy));
+            return Err(fault(format!("the {space} has no name")).code(codes::costume::UNKNOWN_OPTION).remedy(remedy));
         }
         let its_default = format!("its default is {default}");
         let with_unit = || (is_length(&dotted) && meters_of(text).is_some()).then(|| Value::String(text.into()));
@@ -247,7 +247,7 @@ fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
     let keys: Vec<String> = e.path().iter().filter_map(key).collect();
     let default = default_of(&keys.join("."));
     let fault = Error::recipe(format!("tailor:{} of the model", keys.join(":")), in_words(e.inner()))
-        .code(ErrorCode::RecipeAttribute);
+        .code(codes::costume::RECIPE_ATTRIBUTE);
     fault.remedy(format!("declare it as {}", value_type(&default.unwrap_or_default()).usd))
 }
 

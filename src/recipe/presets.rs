@@ -4,7 +4,7 @@
 use super::file::RecipeFile;
 use super::groups::OPERATORS;
 use super::{Domain, Layers};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::garment::Units;
 use crate::options::Group;
 use serde_json::{Map, Value};
@@ -40,7 +40,7 @@ impl Presets {
     /// A text that is not a recipe, with line and column; a recipe with other options than values of operators.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let fault = |text: String, remedy: &str| {
-            Err(Error::recipe(path.display(), text).code(ErrorCode::RecipeFile).remedy(remedy))
+            Err(Error::recipe(path.display(), text).code(codes::costume::RECIPE_FILE).remedy(remedy))
         };
         let file = RecipeFile::parse(path, text)?;
         if file.source.is_some() || file.prim.is_some() {
@@ -81,7 +81,7 @@ impl Presets {
     /// A name that cannot be shown, a kind that has no presets, values that operators have of their own.
     pub fn put(&mut self, kind: &str, name: &str, values: &Values, units: Units) -> Result<(), Error> {
         let fault =
-            |text: String, remedy: &str| Err(Error::recipe(name, text).code(ErrorCode::OptionValue).remedy(remedy));
+            |text: String, remedy: &str| Err(Error::recipe(name, text).code(codes::mesh::OPTION_VALUE).remedy(remedy));
         if name.trim().is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
             return fault("it cannot be the name of a preset".into(), "give a name of 1 to 60 characters");
         }

@@ -1,7 +1,7 @@
 //! Sets that a recipe describes by expressions.
 
 use super::{OPERATORS, Recipe};
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{DERIVED, Mesh, Subset};
 use crate::options::{Domain, Given, float_primvar, subset_of};
 use crate::sets::{SetEvaluator, is_subset_name, quoted};
@@ -68,12 +68,12 @@ fn painted(garment: &Mesh, place: &str, name: &str, of: &[&str]) -> Result<Optio
 
 fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {
     let fault = Error::recipe(place, format!("\"{name}\" gives {kind}s, and it takes {}s", of.join("s or ")));
-    fault.code(ErrorCode::UnknownSubset).remedy(format!("write {}s({name}), or another set", of[0]))
+    fault.code(codes::mesh::UNKNOWN_SUBSET).remedy(format!("write {}s({name}), or another set", of[0]))
 }
 
 fn empty(place: &str, name: &str, notes: &[String]) -> Warning {
     let there = if notes.is_empty() { String::new() } else { format!(": {}", notes.join("; ")) };
-    let warning = Warning::new(Code::EmptySet, place, format!("\"{name}\" has no elements{there}"));
+    let warning = Warning::new(codes::tailor::EMPTY_SET, place, format!("\"{name}\" has no elements{there}"));
     warning.remedy("Change the expression; `usdtailor info` lists the sets of the garment")
 }
 

@@ -1,6 +1,6 @@
 //! The UV set that a recipe means where it names none.
 
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::sim::SimOptions;
 
@@ -59,7 +59,7 @@ fn unusable(garment: &Mesh, uvs: &Primvar, found: Option<&Primvar>, sets: &[&Pri
     let remedy = format!(
         "Export it as texCoord2f[] with the interpolation faceVarying{others}, or name edge sets in sim.constraints"
     );
-    Warning::new(Code::NoUvSet, &garment.prim, problem).remedy(remedy)
+    Warning::new(codes::tailor::NO_UV_SET, &garment.prim, problem).remedy(remedy)
 }
 
 fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
@@ -76,5 +76,5 @@ fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
             "Unwrap it, or name edge sets in sim.constraints; sim.uvSet= stands for none".to_owned(),
         )
     };
-    Warning::new(Code::NoUvSet, &garment.prim, problem).remedy(remedy)
+    Warning::new(codes::tailor::NO_UV_SET, &garment.prim, problem).remedy(remedy)
 }

@@ -20,7 +20,7 @@ use super::operator::{
     Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput, REPORTED, is_lone_corner,
 };
 use super::options::OperatorOptions;
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings, counted};
+use crate::error::{Error, Warning, Warnings, codes, counted};
 use crate::garment::{Elements, Mesh, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::options::{Domain, Given, LARGEST, OptionValue, options};
@@ -138,8 +138,8 @@ impl Fold {
             if !omitted.faces.is_empty() {
                 let faces = counted(omitted.faces.len(), "face has", "faces have");
                 let problem = format!("{faces} no second layer: {problem}");
-                let warning =
-                    Warning::new(Code::BareFaces, &label, problem).at(cage.input_points(omitted.at.iter().copied()));
+                let warning = Warning::new(codes::tailor::BARE_FACES, &label, problem)
+                    .at(cage.input_points(omitted.at.iter().copied()));
                 warnings.push(warning.remedy(remedy));
             }
         }
@@ -150,7 +150,7 @@ impl Fold {
         let (label, faces) = (self.label(), self.options.faces.join(", "));
         let fault = format!("{faces} is not next to a border of {}, and cannot be folded", garment.prim);
         Error::recipe(format!("{label}.faces"), fault)
-            .code(ErrorCode::NoBorder)
+            .code(codes::tailor::NO_BORDER)
             .remedy(format!("name a face subset at a border, or set {label}.closed"))
     }
 
@@ -379,7 +379,7 @@ impl Operator for Fold {
         if !thin.is_empty() {
             let (at, left) = (counted(thin.len(), "vertex", "vertices"), 100.0 * least);
             let problem = format!("thinner than asked at {at}, down to {left:.0} %, to clear itself or other cloth");
-            let warning = Warning::new(Code::ThinLayer, self.label(), problem).at(output.input_points(thin));
+            let warning = Warning::new(codes::tailor::THIN_LAYER, self.label(), problem).at(output.input_points(thin));
             warnings.push(
                 warning
                     .amount(least)

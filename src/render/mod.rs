@@ -38,7 +38,7 @@ pub use options::{OperatorOptions, RenderOptions};
 pub use seam::{RowSide, SeamOptions};
 pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{BoundaryInterpolation, Elements, Mesh, Scheme, Subset, free_name};
 use crate::mesh::FaceId;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
@@ -51,7 +51,7 @@ fn check_size(cage: &Mesh, level: u32) -> Result<(), Error> {
         return Ok(());
     }
     let fault = format!("level {level} makes {faces} faces with the operators, more than {MAX_REFINED_FACES}");
-    Err(Error::recipe("render.level", fault).code(ErrorCode::TooLarge).remedy("lower the level"))
+    Err(Error::recipe("render.level", fault).code(codes::tailor::TOO_LARGE).remedy("lower the level"))
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
@@ -78,7 +78,7 @@ fn new_sets(garment: &Mesh, wanted: Vec<(String, Vec<FaceId>)>) -> (Vec<Subset>,
         let name = free_name(&asked, is_taken);
         if valid != wanted || name != asked {
             let problem = format!("operator face set `{wanted}` was renamed `{name}`: its name is taken or not valid");
-            warnings.push(Warning::new(Code::SetRenamed, &name, problem).remedy("Rename the operator"));
+            warnings.push(Warning::new(codes::tailor::SET_RENAMED, &name, problem).remedy("Rename the operator"));
         }
         sets.push(Subset { name, family: String::new(), elements: Elements::Faces(faces), sharpness: None });
     }
@@ -93,6 +93,6 @@ fn refuse_loop(cage: &OperatorInput, operator: &str) -> Result<(), Error> {
     let prim = &cage.garment.prim;
     let fault = format!("it makes quads, which {prim} with subdivisionScheme \"loop\" cannot have");
     Err(Error::recipe(operator, fault)
-        .code(ErrorCode::LoopOperators)
+        .code(codes::tailor::LOOP_OPERATORS)
         .remedy("set the scheme to catmullClark, or remove the operator"))
 }

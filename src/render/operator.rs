@@ -5,7 +5,7 @@
 use super::child::OperatorDerivation;
 use super::reference::ReferenceNormals;
 use crate::contact::{Clearance, UNBOUNDED, smaller};
-use crate::error::{Code, Error, Warning, Warnings, counted};
+use crate::error::{Error, Warning, Warnings, codes, counted};
 use crate::garment::{Elements, Mesh, Subset};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Carrier, Derivation, INFINITE_SHARPNESS, Level, carried_points};
@@ -73,7 +73,7 @@ pub trait Operator: Any + Send + Sync {
             let vertices = counted(reduced.clone().count(), "vertex", "vertices");
             let problem = format!("its height is reduced to {:.0} % at {vertices}", 100.0 * least);
             let points = output.input_points(reduced.map(|(control, _)| control.vertex));
-            warnings.push(Warning::new(Code::ReducedHeight, self.label(), problem).at(points).amount(least));
+            warnings.push(Warning::new(codes::tailor::REDUCED_HEIGHT, self.label(), problem).at(points).amount(least));
         }
         warnings
     }
@@ -88,7 +88,7 @@ pub trait Operator: Any + Send + Sync {
 pub(super) fn intersections(label: String, output: &OperatorOutput, faces: &[FaceId]) -> Warning {
     let one = "face of the cage intersects others or is flipped";
     let problem = counted(faces.len(), one, "faces of the cage intersect others or are flipped");
-    Warning::new(Code::Intersections, label, problem)
+    Warning::new(codes::tailor::INTERSECTIONS, label, problem)
         .at(output.input_points(output.sources(faces)))
         .remedy("Make it narrower or thinner where the surface bends tightly, or remove those elements from its sets")
 }

@@ -14,7 +14,7 @@ use super::operator::{Control, ControlRole, DerivedCage, LayerEnd, Operator, Ope
 use super::points::CagePoints;
 use super::repair::{LEAST_SHARE, RepairInput, SecondRefinementInput, repair};
 use crate::contact::{Clearance, TEST, each_once, morton_order};
-use crate::error::{Code, Warning, Warnings};
+use crate::error::{Warning, Warnings, codes};
 use crate::garment::Mesh;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
@@ -364,7 +364,7 @@ fn cut_short(label: String, most: usize) -> Warning {
          than are reported",
         most / TEST
     );
-    Warning::new(Code::RepairCutShort, label, problem)
+    Warning::new(codes::tailor::REPAIR_CUT_SHORT, label, problem)
         .remedy("Leave out elements where the garment is crumpled or passes through itself")
 }
 

@@ -30,7 +30,7 @@ mod rows;
 use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
-use crate::error::{Code, Error, Warning, Warnings, counted};
+use crate::error::{Error, Warning, WarningCode, Warnings, codes, counted};
 use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use chains::Network;
@@ -71,14 +71,19 @@ impl Seams {
         let mut warnings = Warnings::default();
         for (number, (name, _)) in self.seams.iter().enumerate() {
             let label = format!("seam.{name}");
-            let edges = |code: Code, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
+            let edges = |code: WarningCode, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
                 let ends = cage.input_edges(edges.iter().map(|&e| network.ends(e)));
                 let warning = Warning::new(code, &label, format!("{} {problem}", counted(ends.len(), "edge", "edges")));
                 (!edges.is_empty()).then(|| warning.at(ends).remedy(remedy))
             };
             let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
             let problem = "in an earlier seam too, which keeps them";
-            warnings.extend(edges(Code::SharedSeamEdges, shared, problem, "Remove them from one of the two edge sets"));
+            warnings.extend(edges(
+                codes::tailor::SHARED_SEAM_EDGES,
+                shared,
+                problem,
+                "Remove them from one of the two edge sets",
+            ));
             let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
             let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
@@ -89,7 +94,9 @@ impl Seams {
                 let remedy = format!(
                     "Lower `{label}.width`, move rows of stitches away from it, or lengthen the edges that lead away"
                 );
-                warnings.push(Warning::new(Code::NarrowSeam, label, problem).at(points).amount(least).remedy(remedy));
+                warnings.push(
+                    Warning::new(codes::tailor::NARROW_SEAM, label, problem).at(points).amount(least).remedy(remedy),
+                );
             }
         }
         warnings

@@ -8,7 +8,7 @@ pub use steps::{RenderResult, RenderSteps};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
+use crate::error::{Error, Warning, Warnings, codes, names};
 use crate::garment::Mesh;
 use crate::mesh::Topology;
 use crate::options::did_you_mean;
@@ -117,8 +117,8 @@ fn order(all: &[(&str, &dyn OperatorOptions)], wanted: &[String]) -> Result<(Vec
         let known: Vec<String> = (0..all.len()).map(full_name).collect();
         let likely = did_you_mean(name, &known);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        let error =
-            Error::recipe("render.operators", format!("it names \"{name}\", {fault}")).code(ErrorCode::UnknownOperator);
+        let error = Error::recipe("render.operators", format!("it names \"{name}\", {fault}"))
+            .code(codes::tailor::UNKNOWN_OPERATOR);
         Err(error.remedy(format!("{likely}the operators of the recipe are: {known}")))
     };
     let mut order: Vec<usize> = Vec::new();
@@ -135,7 +135,7 @@ fn order(all: &[(&str, &dyn OperatorOptions)], wanted: &[String]) -> Result<(Vec
         (0..all.len()).filter(|i| all[*i].1.is_enabled() && !order.contains(i)).map(full_name).collect();
     if !omitted.is_empty() {
         let problem = format!("it leaves out operators, which do not run: {}", names(&omitted));
-        let warning = Warning::new(Code::OperatorsLeftOut, "render.operators", problem);
+        let warning = Warning::new(codes::tailor::OPERATORS_LEFT_OUT, "render.operators", problem);
         warnings.push(warning.remedy("Add them to it, or delete them from the recipe"));
     }
     Ok((order, warnings))

@@ -1,7 +1,7 @@
 //! A `.tailor` file opened as a USD layer, with its file-format arguments.
 
 use super::input::beside;
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::error::{Error, ErrorKind, Warning, Warnings, codes};
 use crate::recipe::{Layers, RecipeFile, is_file};
 use crate::usd::{ReadOptions, Source};
 use serde_json::{Map, Value};
@@ -49,7 +49,7 @@ impl PayloadRecipe {
             "time" => {
                 let time = text.parse().map_err(|_| {
                     let fault = Error::new(ErrorKind::Usage, "argument time", format!("\"{text}\" is not a number"))
-                        .code(ErrorCode::OptionValue);
+                        .code(codes::mesh::OPTION_VALUE);
                     fault.remedy("give a time code, such as 24.5")
                 })?;
                 self.options.time = Some(time);
@@ -108,7 +108,7 @@ pub fn ignored(error: &Error) -> Warning {
     let (place, remedy) = error.faults.first().map(|f| (f.place.clone(), f.remedy.clone())).unwrap_or_default();
     let faults: Vec<&str> = error.faults.iter().map(|fault| fault.text.as_str()).collect();
     let problem = format!("left out, as {}", faults.join("; "));
-    Warning::new(Code::IgnoredOption, place, problem).remedy(remedy)
+    Warning::new(codes::usd::IGNORED_OPTION, place, problem).remedy(remedy)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A garment that follows the body that its recipe names.
 
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, Warnings, codes};
 use crate::fit::{Bodies, BodyOptions, FitOptions, FitStep, Fitted, fit};
 use crate::garment::{Elements, FIT_FROM, Garment, Interpolation, Mesh, PrimvarInput, Values};
 use crate::pipeline::Builder;
@@ -99,7 +99,7 @@ pub fn fit_options(
             return Ok(elements);
         }
         let fault = Error::recipe(place, format!("the set {expression} has no elements"));
-        Err(fault.code(ErrorCode::SetExpression).remedy("`usdtailor sets` lists the sets of the garment"))
+        Err(fault.code(codes::tailor::SET_EXPRESSION).remedy("`usdtailor sets` lists the sets of the garment"))
     };
     let sets = |(place, names): (&str, &[String])| names.iter().map(|name| set(place, name)).collect();
     let (rigid, keep_length): (Result<Vec<Elements>, Error>, _) = (sets(rigid), sets(keep_length));
@@ -117,7 +117,7 @@ fn fitted(builder: &Builder, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted,
 /// A body, whose faults are those of the option that names it.
 fn body(key: &str, file: &str) -> Result<Source, Error> {
     if file.is_empty() {
-        let fault = Error::recipe(key, "it names no body, and fit.to does").code(ErrorCode::OptionValue);
+        let fault = Error::recipe(key, "it names no body, and fit.to does").code(codes::mesh::OPTION_VALUE);
         return Err(fault.remedy("name the file of the body that the garment was made for, or take fit.to out"));
     }
     Source::open(Path::new(file), &ReadOptions::default()).map_err(|error| of_option(key, &error))

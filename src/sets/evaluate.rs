@@ -4,7 +4,7 @@ use super::elements::ElementSet;
 use super::expression::{Argument, Expression, quoted};
 use super::pieces::{chosen, face_pieces, pieces};
 use super::{SetEvaluator, SetFault};
-use crate::error::ErrorCode;
+use crate::error::codes;
 use crate::garment::{LeftOut, Primvar, UvSeams};
 use crate::mesh::{EdgeId, FaceId, VertexId};
 use crate::options::did_you_mean;
@@ -123,7 +123,7 @@ impl<'a> Evaluation<'a> {
             "{}its subsets are: {own}; derived sets are such as borders, uvSeams or material(...)",
             did_you_mean(name, &known)
         );
-        SetFault { code: ErrorCode::UnknownSubset, ..SetFault::new(text, remedy) }
+        SetFault { code: codes::mesh::UNKNOWN_SUBSET, ..SetFault::new(text, remedy) }
     }
 
     /// The seams of the UV set that an argument names, or else of that of the recipe; none with a note if there is none.

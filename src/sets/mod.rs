@@ -21,7 +21,7 @@ pub use functions::checksum;
 pub use list::ListedSet;
 pub use select::Change;
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, ErrorCode, codes};
 use crate::garment::Mesh;
 use crate::mesh::{Elements, Topology};
 use elements::ElementSet;
@@ -41,7 +41,7 @@ pub struct SetFault {
 
 impl SetFault {
     fn new(text: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { code: ErrorCode::SetExpression, text: text.into(), remedy: remedy.into() }
+        Self { code: codes::tailor::SET_EXPRESSION, text: text.into(), remedy: remedy.into() }
     }
 
     /// The error of an option or argument that holds the expression.

@@ -1,6 +1,7 @@
 //! Sets of a sheet whose elements can be counted by hand.
 
 use super::*;
+use crate::error::codes;
 use crate::garment::{DERIVED, Garment, Interpolation, PrimvarInput, Subset, Values, check_garment};
 use crate::testing::sheets::{grid, with_uvs};
 
@@ -196,6 +197,6 @@ fn a_primvar_with_a_fault_is_told_where_it_is_named() {
     let fault = SetEvaluator::new(&garment, "st").evaluate("weight(pin)").expect_err("it is left out");
     let error = crate::options::float_primvar(&garment, "sim.density", "pin").expect_err("it is left out");
     for (code, text) in [(fault.code, &fault.text), (error.faults[0].code, &error.faults[0].text)] {
-        assert!(code == ErrorCode::ValueCount && text.contains("primvars:pin holds 7 values"), "{text}");
+        assert!(code == codes::mesh::VALUE_COUNT && text.contains("primvars:pin holds 7 values"), "{text}");
     }
 }

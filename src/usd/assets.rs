@@ -1,6 +1,6 @@
 //! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::files::folder_of;
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
@@ -157,7 +157,7 @@ fn numbered(pattern: &Path, before: &str, after: &str, is_number: impl Fn(&str) 
 /// # Errors
 /// A path without a folder that exists, or that is not text.
 pub fn as_named(file: &Path) -> Result<String, Error> {
-    let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(ErrorCode::OutputPath);
+    let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(codes::usd::OUTPUT_PATH);
     let folder = folder_of(file);
     let real = folder.canonicalize().map_err(|_| fault())?;
     let named = std::path::absolute(folder).map(|folder| normalized(&folder)).map_err(|_| fault())?;

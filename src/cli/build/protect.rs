@@ -2,7 +2,7 @@
 
 use super::Task;
 use crate::cli::{Build, usage};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::recipe::{RecipeFile, is_recipe};
 use crate::session::beside;
 use crate::usd::first_used;
@@ -43,7 +43,7 @@ fn refuse_used(input: &Path, targets: &[PathBuf]) -> Result<(), Error> {
         Some(i) => {
             let shown = targets[i].display();
             Err(usage("", format!("{shown} is the input, or a file that the input uses"))
-                .code(ErrorCode::OutputIsInput)
+                .code(codes::usd::OUTPUT_IS_INPUT)
                 .remedy("write to another file; the input is never changed"))
         }
         None => Ok(()),

@@ -1,7 +1,7 @@
 //! `usdtailor example`: the shipped garments, for a tutorial without a clone.
 
 use super::{Output, usage};
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, codes, plain};
 use crate::files::folder_of;
 use crate::options::did_you_mean;
 use crate::usd::write_whole;
@@ -94,7 +94,7 @@ fn written(example: &ExampleFiles, folder: &Path, force: bool) -> Result<String,
     };
     if let Some((name, _)) = example.files.iter().find(has_other) {
         let text = format!("{} exists already, and is another file", folder.join(name).display());
-        let fault = usage("", text).code(ErrorCode::OutputExists);
+        let fault = usage("", text).code(codes::usd::OUTPUT_EXISTS);
         return Err(fault.remedy("use --force to overwrite it, or -o to name another folder"));
     }
     let mut text = String::new();
@@ -103,7 +103,7 @@ fn written(example: &ExampleFiles, folder: &Path, force: bool) -> Result<String,
         let write = || fs::create_dir_all(folder_of(&file)).and_then(|()| write_whole(&file, content.as_bytes(), true));
         write().map_err(|e| {
             let fault = usage("", format!("cannot write {}: {}", file.display(), plain(&e)));
-            fault.code(ErrorCode::WriteFailed).remedy("name a folder by -o that you may write to").caused_by(e)
+            fault.code(codes::usd::WRITE_FAILED).remedy("name a folder by -o that you may write to").caused_by(e)
         })?;
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{}", file.strip_prefix(".").unwrap_or(&file).display());

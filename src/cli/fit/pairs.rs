@@ -1,7 +1,7 @@
 //! The file of `--pairs`: places that correspond on two bodies.
 
 use crate::cli::usage;
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, codes, plain};
 use glam::DVec3;
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use std::path::Path;
 pub fn read(file: &Path) -> Result<Vec<[DVec3; 2]>, Error> {
     let place = || format!("--pairs {}", file.display());
     let text = std::fs::read_to_string(file).map_err(|e| {
-        let fault = usage(place(), format!("it cannot be read: {}", plain(&e))).code(ErrorCode::UnreadableFile);
+        let fault = usage(place(), format!("it cannot be read: {}", plain(&e))).code(codes::usd::UNREADABLE_FILE);
         fault.remedy("name a text file that you may read").caused_by(e)
     })?;
     let is_data = |(_, line): &(usize, &str)| !line.trim().is_empty() && !line.trim_start().starts_with('#');
@@ -20,7 +20,8 @@ pub fn read(file: &Path) -> Result<Vec<[DVec3; 2]>, Error> {
         let words = line.split(|letter: char| letter.is_whitespace() || letter == ',').filter(|word| !word.is_empty());
         let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok().filter(|n: &f64| n.is_finite())).collect();
         let Some(&[a, b, c, d, e, f]) = numbers.as_deref() else {
-            let fault = usage(place(), format!("line {} has not six numbers", number + 1)).code(ErrorCode::CommandLine);
+            let fault =
+                usage(place(), format!("line {} has not six numbers", number + 1)).code(codes::mesh::COMMAND_LINE);
             return Err(fault.remedy("write a point of each body on each line: x y z x y z"));
         };
         Ok([DVec3::new(a, b, c), DVec3::new(d, e, f)])

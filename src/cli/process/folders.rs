@@ -1,6 +1,6 @@
 //! Folders for outputs.
 
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, codes, plain};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ impl MadeFolders {
         let made = Self(folder.ancestors().take_while(is_missing).map(Path::to_path_buf).collect());
         fs::create_dir_all(folder).map_err(|e| {
             let fault = Error::usd(format!("cannot make the folder {}: {}", folder.display(), plain(&e)));
-            fault.code(ErrorCode::OutputPath).remedy("name a folder by -o that you may write to").caused_by(e)
+            fault.code(codes::usd::OUTPUT_PATH).remedy("name a folder by -o that you may write to").caused_by(e)
         })?;
         Ok(made)
     }

@@ -1,6 +1,6 @@
 //! How much memory a run may take: as much as an option says, or a share of what the machine leaves.
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::meter;
 use std::fs;
 use std::path::Path;
@@ -64,7 +64,7 @@ pub fn passed(limit: usize, step: &RunningStep) -> Error {
     let at = if step.is_empty() { String::new() } else { format!(" in the step {step}") };
     let fault = format!("the build has taken all of the {:.2} GB of memory that it may take{at}", limit as f64 / 1e9);
     let remedy = format!("{remedy}, or allow more memory (--max-memory)");
-    Error::recipe(place, fault).code(ErrorCode::TooLarge).remedy(remedy)
+    Error::recipe(place, fault).code(codes::tailor::TOO_LARGE).remedy(remedy)
 }
 
 fn left() -> Option<u64> {

@@ -2,7 +2,7 @@
 
 use crate::cli::text::Wording;
 use crate::cli::{text, usage};
-use crate::error::{Code, Error, Warning};
+use crate::error::{Error, Warning, codes};
 use std::thread::available_parallelism;
 
 /// Most threads for each core. More are slower to start than any work is to share.
@@ -21,7 +21,7 @@ pub fn capped(wanted: Option<usize>, quiet: bool) -> Result<Option<usize>, Error
     let most = PER_CORE * cores;
     if wanted > most {
         let problem = format!("{most} threads are started, {PER_CORE} for each of {cores} cores");
-        let warning = Warning::new(Code::ThreadsCapped, format!("--threads {wanted}"), problem);
+        let warning = Warning::new(codes::command::THREADS_CAPPED, format!("--threads {wanted}"), problem);
         let wording = if quiet { Wording::Silent } else { Wording::Full };
         text::print_warnings([&warning.remedy(format!("Give at most {most}"))], wording, None);
     }

@@ -14,7 +14,7 @@ mod stretch;
 
 use super::options::RestShape;
 use super::surface::{Surface, area, shares_uvs};
-use crate::error::{Code, Error, ErrorCode, Warning};
+use crate::error::{Error, Warning, codes};
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId};
 use crate::sim::SimProduct;
@@ -83,7 +83,7 @@ pub fn rest(
         (RestShape::Panels, None) => {
             let fault = format!("{} has no UV set \"{uv_set}\"", garment.prim);
             return Err(Error::recipe("cloth.rest", fault)
-                .code(ErrorCode::UnusablePanels)
+                .code(codes::costume::UNUSABLE_PANELS)
                 .remedy("name its UV set in sim.uvSet, or rest on the mesh"));
         }
         (_, Some(cage)) => cage,
@@ -94,7 +94,7 @@ pub fn rest(
     let others = shells.not_patterns();
     if !others.is_empty() && wanted == RestShape::Panels {
         return Err(Error::recipe("cloth.rest", shells.fault(&others))
-            .code(ErrorCode::UnusablePanels)
+            .code(codes::costume::UNUSABLE_PANELS)
             .remedy("use auto, or mend the UVs"));
     }
     // UVs of which no shell is a pattern are a layout for textures, and say nothing of the cloth.
@@ -104,7 +104,7 @@ pub fn rest(
     let warning = (!others.is_empty()).then(|| {
         let problem = format!("{}; they rest as modelled", shells.fault(&others));
         let faces = others.iter().map(|&shell| shells.first_source[shell]).collect();
-        Warning::new(Code::NoPattern, &garment.prim, problem)
+        Warning::new(codes::costume::NO_PATTERN, &garment.prim, problem)
             .at(Elements::Faces(faces))
             .remedy("Lay the UVs out to scale, as a sewing pattern, or set cloth.rest to mesh")
     });

@@ -2,7 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, MeshCheck, Repeat, repeats};
 use super::problem::Problems;
-use crate::error::ErrorCode;
+use crate::error::codes;
 use crate::garment::{Corner, Crease, Garment};
 use crate::mesh::VertexId;
 
@@ -35,7 +35,7 @@ fn lengths(input: &Garment, problems: &mut Problems) -> Option<Vec<usize>> {
     for (crease, &n) in input.crease_lengths.iter().enumerate().filter(|&(_, &n)| n < 2) {
         let fault = format_args!("crease {crease} has a length of {n}, but a crease has two points or more");
         problems.add(
-            ErrorCode::CreaseData,
+            codes::mesh::CREASE_DATA,
             "creaseLengths",
             fault,
             format_args!("remove the crease, or add the other end of its edge"),
@@ -49,7 +49,7 @@ fn lengths(input: &Garment, problems: &mut Problems) -> Option<Vec<usize>> {
     if sum != found {
         let fault = format_args!("holds {}, but creaseLengths adds up to {sum}", Count(found, "index"));
         let remedy = format_args!("list the points of every crease, or correct creaseLengths");
-        problems.add(ErrorCode::CreaseData, "creaseIndices", fault, remedy);
+        problems.add(codes::mesh::CREASE_DATA, "creaseIndices", fault, remedy);
         return None;
     }
     Some(lengths)
@@ -69,7 +69,7 @@ fn sharpness_per_edge(lengths: &[usize], found: usize, problems: &mut Problems) 
         Count(edges, "edge")
     );
     let remedy = format_args!("give one sharpness for each crease ({creases}) or one for each edge ({edges})");
-    problems.add(ErrorCode::CreaseData, "creaseSharpnesses", fault, remedy);
+    problems.add(codes::mesh::CREASE_DATA, "creaseSharpnesses", fault, remedy);
     None
 }
 
@@ -81,7 +81,7 @@ fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &MeshCheck<'_>, p
             let (a, b) = (a.index(), b.index());
             let fault = format_args!("step {step} of crease {crease}, point {a} to {b}, is not an edge of the mesh");
             let remedy = format_args!("list the points that the crease passes in between, or end it at point {a}");
-            problems.add(ErrorCode::CreaseData, "creaseIndices", fault, remedy);
+            problems.add(codes::mesh::CREASE_DATA, "creaseIndices", fault, remedy);
         }
     }
 }
@@ -91,7 +91,7 @@ fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<
     for (i, &s) in values.iter().enumerate().filter(|&(_, &s)| s.is_nan() || s < 0.0) {
         let fault = format_args!("entry {i} is {s}, but a sharpness is zero or more");
         problems.add(
-            ErrorCode::CreaseData,
+            codes::mesh::CREASE_DATA,
             attribute,
             fault,
             format_args!("use 0 for smooth, 10 for infinitely sharp"),
@@ -110,7 +110,7 @@ pub(super) fn corners(input: &Garment, mesh: &MeshCheck<'_>, problems: &mut Prob
     if found != needed {
         let fault = format_args!("holds {}, but cornerIndices holds {needed}", Count(found, "number"));
         let remedy = format_args!("give one sharpness for each corner ({needed})");
-        problems.add(ErrorCode::CreaseData, "cornerSharpnesses", fault, remedy);
+        problems.add(codes::mesh::CREASE_DATA, "cornerSharpnesses", fault, remedy);
     }
     let corners = vertices.into_iter().zip(sharpnesses);
     corners.filter_map(|(vertex, sharpness)| Some(Corner { vertex: vertex?, sharpness })).collect()
@@ -123,6 +123,6 @@ fn check_twice(vertices: &[Option<VertexId>], problems: &mut Problems) {
         let Some(vertex) = vertices[again] else { continue };
         let fault = format_args!("entry {again} names point {} again, after entry {first}", vertex.index());
         let remedy = format_args!("keep one of the two, and its sharpness");
-        problems.add(ErrorCode::CreaseData, "cornerIndices", fault, remedy);
+        problems.add(codes::mesh::CREASE_DATA, "cornerIndices", fault, remedy);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, MeshCheck, corner_sum};
 use super::problem::Problems;
-use crate::error::ErrorCode;
+use crate::error::codes;
 use crate::garment::{Garment, Scheme};
 use crate::mesh::{FaceId, Faces, VertexId};
 use glam::Vec3;
@@ -13,7 +13,7 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) {
     if points.is_empty() {
         let fault = format_args!("the mesh has no points");
         problems.add(
-            ErrorCode::EmptyMesh,
+            codes::mesh::EMPTY_MESH,
             "points",
             fault,
             format_args!("author the points, or name another mesh with --prim"),
@@ -21,7 +21,7 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) {
     }
     for (i, p) in points.iter().enumerate().filter(|(_, p)| !p.is_finite()) {
         let fault = format_args!("point {i} is ({}, {}, {}), which is not finite", p.x, p.y, p.z);
-        problems.add(ErrorCode::NotFinite, "points", fault, format_args!("give the point a finite position"));
+        problems.add(codes::mesh::NOT_FINITE, "points", fault, format_args!("give the point a finite position"));
     }
 }
 
@@ -50,12 +50,12 @@ fn check_counts(input: &Garment, problems: &mut Problems) {
     let counts = &input.face_vertex_counts;
     if counts.is_empty() {
         let remedy = format_args!("author the faces, or name another mesh with --prim");
-        return problems.add(ErrorCode::EmptyMesh, ATTRIBUTE, format_args!("the mesh has no faces"), remedy);
+        return problems.add(codes::mesh::EMPTY_MESH, ATTRIBUTE, format_args!("the mesh has no faces"), remedy);
     }
     for (face, &n) in counts.iter().enumerate().filter(|&(_, &n)| n < 3) {
         let corners = format_args!("face {face} has a count of {n}, but a face has three corners or more");
         problems.add(
-            ErrorCode::FaceCorners,
+            codes::mesh::FACE_CORNERS,
             ATTRIBUTE,
             corners,
             format_args!("remove the face, or give it its missing corners"),
@@ -67,7 +67,7 @@ fn check_counts(input: &Garment, problems: &mut Problems) {
     let (verb, excess) = if found < sum { ("add the", sum - found) } else { ("remove the", found - sum) };
     let which = if found < sum { "missing" } else { "surplus" };
     let remedy = format_args!("{verb} {which} {}, or correct faceVertexCounts", Count(excess, "index"));
-    problems.add(ErrorCode::FaceCorners, "faceVertexIndices", fault, remedy);
+    problems.add(codes::mesh::FACE_CORNERS, "faceVertexIndices", fault, remedy);
 }
 
 /// Checks that a Loop cage has triangles only.
@@ -81,7 +81,7 @@ pub(super) fn check_scheme(input: &Garment, problems: &mut Problems) {
     let fault =
         format_args!("loop takes triangles only, but face {face} has {n} corners ({} in all)", Count(all, "face"));
     let remedy = format_args!("triangulate the mesh, or set subdivisionScheme to catmullClark");
-    problems.add(ErrorCode::LoopFaces, "subdivisionScheme", fault, remedy);
+    problems.add(codes::mesh::LOOP_FACES, "subdivisionScheme", fault, remedy);
 }
 
 /// Checks that no face has a vertex twice.
@@ -97,7 +97,7 @@ fn check_repeats(counts: &[i32], corners: &[VertexId], points: usize, problems: 
                 let (point, first, second) = (vertex.index(), seen - 1 - start, corner - start);
                 let fault = format_args!("face {face} has point {point} twice, at corners {first} and {second}");
                 let remedy = format_args!("remove one of the two corners, or split the face");
-                problems.add(ErrorCode::FaceCorners, "faceVertexIndices", fault, remedy);
+                problems.add(codes::mesh::FACE_CORNERS, "faceVertexIndices", fault, remedy);
             }
         }
         start = end;

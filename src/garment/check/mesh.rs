@@ -1,7 +1,7 @@
 //! The elements that indices and lengths must fit, and their names in messages.
 
 use super::Problems;
-use crate::error::ErrorCode;
+use crate::error::codes;
 use crate::garment::{Garment, Interpolation};
 use crate::mesh::{EdgeId, Id, Topology, VertexId};
 use std::fmt;
@@ -164,7 +164,7 @@ impl Indices<'_> {
         let Some(last) = count.checked_sub(1) else {
             let fault = format_args!("{place} names {kind} {index}, but there are no {kind}s");
             return problems.add(
-                ErrorCode::IndexOutOfRange,
+                codes::mesh::INDEX_OUT_OF_RANGE,
                 attribute,
                 fault,
                 format_args!("add the {kind}s, or remove the indices"),
@@ -172,7 +172,7 @@ impl Indices<'_> {
         };
         let fault = format_args!("{place} names {kind} {index}, but there are {}, 0 to {last}", Count(count, kind));
         problems.add(
-            ErrorCode::IndexOutOfRange,
+            codes::mesh::INDEX_OUT_OF_RANGE,
             attribute,
             fault,
             format_args!("use an index from 0 to {last}, or add the missing {kind}s"),

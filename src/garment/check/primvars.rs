@@ -2,7 +2,7 @@
 
 use super::mesh::{Count, Indices, MeshCheck};
 use super::problem::Problems;
-use crate::error::ErrorCode;
+use crate::error::codes;
 use crate::garment::joints::{JOINT_INDICES, JOINT_WEIGHTS};
 use crate::garment::{Interpolation, LeftOut, Meaning, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::ValueId;
@@ -51,7 +51,7 @@ fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
     for input in inputs.iter().filter(|input| !seen.insert(input.name.as_str())) {
         let remedy = format_args!("rename or remove one of the two");
         problems.add(
-            ErrorCode::DuplicatePrimvar,
+            codes::mesh::DUPLICATE_PRIMVAR,
             &attribute(input),
             format_args!("there are two primvars of this name"),
             remedy,
@@ -109,7 +109,7 @@ fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> 
     if size.is_none() {
         let fault = format_args!("elementSize is {}, but an element has one value or more", input.element_size);
         problems.add(
-            ErrorCode::ValueCount,
+            codes::mesh::VALUE_COUNT,
             &attribute(input),
             fault,
             format_args!("set elementSize to the number of values in an element"),
@@ -124,7 +124,7 @@ fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> O
     if components == 0 || !numbers.is_multiple_of(components) {
         let fault = format_args!("{numbers} numbers do not make whole values of {components}");
         problems.add(
-            ErrorCode::ValueCount,
+            codes::mesh::VALUE_COUNT,
             &attribute(input),
             fault,
             format_args!("author the values again with their full type"),
@@ -135,7 +135,7 @@ fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> O
     if !values.is_multiple_of(element_size) {
         let fault = format_args!("holds {}, no multiple of elementSize {element_size}", Count(values, "value"));
         let remedy = format_args!("give {element_size} values for each element, or correct elementSize");
-        problems.add(ErrorCode::ValueCount, &attribute(input), fault, remedy);
+        problems.add(codes::mesh::VALUE_COUNT, &attribute(input), fault, remedy);
         return None;
     }
     Some(values / element_size)
@@ -160,7 +160,7 @@ where
         let interpolation = if input.indices.is_some() { Interpolation::Constant } else { input.interpolation };
         let place = mesh.element(interpolation, row);
         let fault = format_args!("{place} holds {number}, which is not finite");
-        problems.add(ErrorCode::NotFinite, &attribute(input), fault, format_args!("replace it by a finite number"));
+        problems.add(codes::mesh::NOT_FINITE, &attribute(input), fault, format_args!("replace it by a finite number"));
     }
 }
 
@@ -182,7 +182,7 @@ fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &Mes
         }
         None => "correct the interpolation".to_owned(),
     };
-    problems.add(ErrorCode::ValueCount, &attribute, fault, format_args!("give {needed} values, or {other}"));
+    problems.add(codes::mesh::VALUE_COUNT, &attribute, fault, format_args!("give {needed} values, or {other}"));
 }
 
 /// The interpolation that `rows` rows fit.
@@ -207,7 +207,7 @@ fn row_indices(
         let fault = format_args!("holds {found}, but {token} interpolation needs {elements}, one for each {carrier}");
         let other = fitting(indices.len(), mesh).map(|other| format!("set interpolation to {other}"));
         let other = other.unwrap_or_else(|| "correct the interpolation".to_owned());
-        problems.add(ErrorCode::ValueCount, &attribute, fault, format_args!("give {elements} indices, or {other}"));
+        problems.add(codes::mesh::VALUE_COUNT, &attribute, fault, format_args!("give {elements} indices, or {other}"));
     }
     let values = Indices { attribute: &attribute, kind: "value", count: Some(rows) };
     let handles: Vec<Option<ValueId>> = values.handles(indices, |e| mesh.element(interpolation, e), problems);

@@ -57,9 +57,10 @@ impl Problems {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::codes;
 
     fn problem(problems: &mut Problems, attribute: &str, i: usize) {
-        problems.add(ErrorCode::EmptyMesh, attribute, format_args!("fault {i}"), format_args!("remedy {i}"));
+        problems.add(codes::mesh::EMPTY_MESH, attribute, format_args!("fault {i}"), format_args!("remedy {i}"));
     }
 
     #[test]

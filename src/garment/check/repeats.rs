@@ -3,7 +3,7 @@
 use super::mesh::{MeshCheck, corner_sum};
 use super::primvars::primvars;
 use super::problem::Problems;
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{FaceNumbers, Garment, Interpolation, PrimvarInput};
 use crate::mesh::{Elements, FaceId};
 use std::collections::HashMap;
@@ -126,7 +126,7 @@ impl Split {
             }
         }
         let remedy = "Remove the repeated corners in the modelling program, if the faces are to have other corners";
-        Warning::new(Code::RepeatedPoints, prim, problem).at(Elements::Faces(self.repeated)).remedy(remedy)
+        Warning::new(codes::mesh::REPEATED_POINTS, prim, problem).at(Elements::Faces(self.repeated)).remedy(remedy)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, MeshCheck, Repeat, repeats};
 use super::problem::Problems;
-use crate::error::{Code, ErrorCode, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
 use crate::mesh::{EdgeId, FaceId, Id, VertexId};
 use std::collections::{HashMap, HashSet};
@@ -38,7 +38,7 @@ pub(super) fn subsets(
         let Some(Broken { rule, problem, elements, remedy }) = members.check(mesh, problems) else { continue };
         let name = members.family;
         let place = format!("{prim}.subsetFamily:{name}:familyType");
-        warnings.push(Warning::new(Code::FamilyRule, place, problem).at(elements).remedy(remedy));
+        warnings.push(Warning::new(codes::mesh::FAMILY_RULE, place, problem).at(elements).remedy(remedy));
         families.iter_mut().filter(|family| family.name == name).for_each(|family| family.kind = rule);
     }
     (numbered.into_iter().map(|n| n.subset).collect(), warnings)
@@ -64,7 +64,7 @@ fn subset(input: SubsetInput, mesh: &MeshCheck<'_>, problems: &mut Problems) -> 
         other => {
             let fault = format_args!("\"{other}\" is not an element of a mesh");
             let remedy = format_args!("set elementType to face, edge or point");
-            problems.add(ErrorCode::ElementList, &format!("{}.elementType", input.name), fault, remedy);
+            problems.add(codes::mesh::ELEMENT_LIST, &format!("{}.elementType", input.name), fault, remedy);
             return None;
         }
     };
@@ -86,7 +86,7 @@ fn plain<I: Id>(
     for Repeat { first, again } in repeats(keys) {
         let Some(element) = handles[again].map(I::index) else { continue };
         let fault = format_args!("entry {again} names {kind} {element} again, after entry {first}");
-        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove one of the two entries"));
+        problems.add(codes::mesh::ELEMENT_LIST, attribute, fault, format_args!("remove one of the two entries"));
     }
     let numbers = handles.iter().flatten().map(|h| h.index()).collect();
     (handles.into_iter().flatten().collect(), numbers)
@@ -104,7 +104,7 @@ fn edges(
         let fault = format_args!("holds {}, which do not pair up", Count(indices.len(), "index"));
         let remedy =
             format_args!("give the two end points of each edge: add the missing one, or remove the last index");
-        problems.add(ErrorCode::ElementList, attribute, fault, remedy);
+        problems.add(codes::mesh::ELEMENT_LIST, attribute, fault, remedy);
     }
     let points = Indices { attribute, kind: "point", count: mesh.points };
     let ends = points.handles(pairs.as_flattened(), |i| Entry("pair", i / 2), problems);
@@ -123,7 +123,7 @@ fn check_repeated_edges(attribute: &str, edges: &[(usize, [VertexId; 2])], probl
         let ((first, _), (pair, ends)) = (edges[first], edges[again]);
         let [a, b] = ends.map(VertexId::index);
         let fault = format_args!("pair {pair}, points {a} and {b}, is the edge of pair {first} again");
-        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove one of the two pairs"));
+        problems.add(codes::mesh::ELEMENT_LIST, attribute, fault, format_args!("remove one of the two pairs"));
     }
 }
 
@@ -138,14 +138,14 @@ fn edge_number(
     let [a, b] = ends.map(VertexId::index);
     if a == b {
         let fault = format_args!("pair {pair} joins point {a} to itself");
-        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove the pair"));
+        problems.add(codes::mesh::ELEMENT_LIST, attribute, fault, format_args!("remove the pair"));
         return None;
     }
     let edge = mesh.edge(ends)?;
     if edge.is_none() {
         let fault = format_args!("pair {pair}, points {a} and {b}, is not an edge of the mesh");
         let remedy = format_args!("remove the pair, or replace it by one pair for each edge on the way");
-        problems.add(ErrorCode::ElementList, attribute, fault, remedy);
+        problems.add(codes::mesh::ELEMENT_LIST, attribute, fault, remedy);
     }
     edge.map(EdgeId::index)
 }
@@ -210,7 +210,7 @@ impl Members<'_> {
             let fault = format_args!("is {own}, but subset {first} of the same family \"{family}\" is {kind}");
             let attribute = format!("{}.elementType", other.name);
             problems.add(
-                ErrorCode::SubsetFamily,
+                codes::mesh::SUBSET_FAMILY,
                 &attribute,
                 fault,
                 format_args!("give the subset a familyName of its own"),

@@ -1,6 +1,6 @@
 //! Faults of a surface that are warnings: counted, with the first few elements.
 
-use crate::error::{Code, Warning, Warnings};
+use crate::error::{Warning, WarningCode, Warnings, codes};
 use crate::mesh::{CornerId, Elements, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 
@@ -13,35 +13,40 @@ pub(super) fn warnings(prim: &str, topology: &Topology, points: &[Vec3]) -> Warn
     let faces = &topology.faces;
     let cut = "The simulation mesh is cut apart there";
     let found = [
-        (Code::NonManifoldEdges, Elements::Edges(crowded_edges(topology).collect()), "have more than two faces", cut),
-        (Code::BowTieVertices, Elements::Points(bow_ties(topology).collect()), "join fans of faces", cut),
         (
-            Code::WindingDisagreements,
+            codes::mesh::NON_MANIFOLD_EDGES,
+            Elements::Edges(crowded_edges(topology).collect()),
+            "have more than two faces",
+            cut,
+        ),
+        (codes::mesh::BOW_TIE_VERTICES, Elements::Points(bow_ties(topology).collect()), "join fans of faces", cut),
+        (
+            codes::mesh::WINDING_DISAGREEMENTS,
             Elements::Edges(winding_edges(topology).collect()),
             "are between faces of opposite winding",
             "The simulation mesh is oriented alike, the render mesh keeps them",
         ),
         (
-            Code::UnusedPoints,
+            codes::mesh::UNUSED_POINTS,
             Elements::Points(unused_points(topology).collect()),
             "have no face",
             "The simulation mesh drops them, the render mesh keeps them",
         ),
         (
-            Code::DegenerateFaces,
+            codes::mesh::DEGENERATE_FACES,
             Elements::Faces(without_area(faces, points).collect()),
             "have no area",
             "Both meshes keep them: delete them, or give them an area",
         ),
         (
-            Code::DuplicateFaces,
+            codes::mesh::DUPLICATE_FACES,
             Elements::Faces(duplicates(faces).into_iter().map(|[_, duplicate]| duplicate).collect()),
             "have the points of another face",
             "Delete one of each two unless two layers are meant",
         ),
     ];
     let found = found.into_iter().filter(|(_, elements, ..)| !elements.is_empty());
-    let warning = |(code, elements, problem, remedy): (Code, Elements, &str, &str)| {
+    let warning = |(code, elements, problem, remedy): (WarningCode, Elements, &str, &str)| {
         let problem = format!("{} {}s {problem}", elements.len(), elements.kind());
         Warning::new(code, prim, problem).at(elements).remedy(remedy)
     };

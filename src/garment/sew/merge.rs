@@ -2,7 +2,7 @@
 
 use super::primvars::merge_primvars;
 use super::subsets::{merge_families, merge_subsets};
-use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::error::{Error, ErrorKind, Warnings, codes};
 use crate::garment::{
     Garment, Interpolation, Meaning, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name,
 };
@@ -128,7 +128,7 @@ fn set(subsets: &mut Vec<SubsetInput>, name: &str, element_type: &str, indices: 
 /// An error about two panels.
 pub fn differ(panels: [&Panel; 2], text: impl std::fmt::Display) -> Error {
     let place = format!("{}, {}", panels[0].mesh.prim, panels[1].mesh.prim);
-    Error::new(ErrorKind::Mesh, place, format!("they are sewn together, and {text}")).code(ErrorCode::PanelsDiffer)
+    Error::new(ErrorKind::Mesh, place, format!("they are sewn together, and {text}")).code(codes::mesh::PANELS_DIFFER)
 }
 
 fn check_rules(panels: &[Panel]) -> Result<(), Error> {
@@ -232,7 +232,7 @@ fn check_faces(panels: &[Panel], points: &Points) -> Result<(), Error> {
             if let Some(two) = own.windows(2).find(|two| two[0][0] == two[1][0] && two[0][1] != two[1][1]) {
                 let text =
                     format!("sewing it would make one point of points {} and {} of face {face}", two[0][1], two[1][1]);
-                let fault = Error::new(ErrorKind::Mesh, &panel.mesh.prim, text).code(ErrorCode::PanelsDiffer);
+                let fault = Error::new(ErrorKind::Mesh, &panel.mesh.prim, text).code(codes::mesh::PANELS_DIFFER);
                 return Err(fault.remedy("lower --sew-tolerance, or join the points of the mesh there"));
             }
         }

@@ -19,7 +19,7 @@ pub use own::sew_own_borders;
 pub use unsewn::Unsewn;
 
 use super::Garment;
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 use crate::mesh::Groups;
 use borders::{Border, Pairs, matches};
 use glam::DMat4;
@@ -69,7 +69,7 @@ pub fn find_seams(meshes: &[(&Garment, DMat4)], tolerance: f64) -> Result<Seams,
             &meshes[crowd].0.prim,
             "more border edges of other meshes lie in one place than can be sewn",
         );
-        fault.code(ErrorCode::PanelsDiffer).remedy("leave copies out by --exclude, or lower --sew-tolerance")
+        fault.code(codes::mesh::PANELS_DIFFER).remedy("leave copies out by --exclude, or lower --sew-tolerance")
     })?;
     let mut sewn: Vec<Vec<bool>> = borders.iter().map(|border| vec![false; border.edges.len()]).collect();
     let mut seams = BTreeMap::<[usize; 2], Seam>::new();

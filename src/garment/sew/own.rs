@@ -3,7 +3,7 @@
 use super::borders::{Border, Match, Pairs, matches};
 use super::merge::{Panel, Sewn, merge};
 use super::{Seam, unsewn};
-use crate::error::{Code, Warning, Warnings};
+use crate::error::{Warning, Warnings, codes};
 use crate::garment::{Garment, check_garment};
 use crate::mesh::{Elements, VertexId};
 use glam::DMat4;
@@ -64,5 +64,7 @@ fn open_borders(mesh: &Garment, border: &Border, is_sewn: &[bool], tolerance: f6
                   on each other need nothing";
     let is_found = !edges.is_empty();
     let edges = edges.into_iter().map(|edge| edge.map(VertexId::new)).collect();
-    is_found.then(|| Warning::new(Code::UnsewnBorders, &mesh.prim, problem).at(Elements::Edges(edges)).remedy(remedy))
+    is_found.then(|| {
+        Warning::new(codes::mesh::UNSEWN_BORDERS, &mesh.prim, problem).at(Elements::Edges(edges)).remedy(remedy)
+    })
 }

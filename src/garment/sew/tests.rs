@@ -181,7 +181,7 @@ fn borders_of_one_mesh_that_cannot_be_sewn_are_named() {
     for (mesh, edges) in [(third, 9), (turned, 6), (other, 4)] {
         let (sewn, warnings) = sew_own_borders(&mesh, TOLERANCE);
         let warnings: Vec<_> = warnings.iter().collect();
-        assert!(warnings.len() == 1 && warnings[0].code == crate::error::Code::UnsewnBorders, "{warnings:?}");
+        assert!(warnings.len() == 1 && warnings[0].code == crate::error::codes::mesh::UNSEWN_BORDERS, "{warnings:?}");
         assert!(warnings[0].problem.starts_with(&format!("{edges} border edges")), "{warnings:?} {sewn:?}");
     }
 }

@@ -1,6 +1,6 @@
 //! Folds on the simulation mesh: kept where the surface is sharp, told where they are cut short.
 
-use crate::error::{Code, Warnings};
+use crate::error::{Warnings, codes};
 use crate::garment::{Garment, SubsetInput};
 use crate::recipe::Layers;
 use crate::{Builder, Products};
@@ -56,7 +56,7 @@ fn kept(products: &Products) -> f64 {
 fn a_sharp_crease_is_an_edge_of_the_mesh() {
     let (products, warnings) = build(folded_cloth(10.0), 1.0);
     assert!((kept(&products) - 1.0).abs() < 0.01, "{} of the area is kept", kept(&products));
-    assert!(!warnings.iter().any(|w| w.code == Code::AreaChanged));
+    assert!(!warnings.iter().any(|w| w.code == codes::tailor::AREA_CHANGED));
     // Every point of the fold lies on an edge of the mesh, so as many vertices as edges of the length asked for are on it.
     let on_fold = products.sim.points.iter().filter(|p| p.y.abs() < 1e-5).count();
     assert!(on_fold >= SIDE, "{on_fold} vertices on the fold");
@@ -73,7 +73,7 @@ fn a_fold_that_the_length_cannot_follow_becomes_a_chain() {
 fn a_fold_that_is_cut_short_is_told() {
     // The fold is too short for edges of this length to be laid along it.
     let (products, warnings) = build(folded_cloth(0.0), 3.5);
-    let told = warnings.iter().any(|w| w.code == Code::AreaChanged && w.place == "face sets `cloth`");
+    let told = warnings.iter().any(|w| w.code == codes::tailor::AREA_CHANGED && w.place == "face sets `cloth`");
     assert!(kept(&products) < 0.95, "{} of the area is kept, which tests nothing", kept(&products));
     assert!(told, "{:?}", warnings.iter().collect::<Vec<_>>());
 }

@@ -1,6 +1,6 @@
 //! The presets beside the garment: `coat.presets.json` for `coat.usda`.
 
-use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::error::{Error, ErrorKind, codes, plain};
 use crate::files;
 use crate::preview::document::Options;
 use crate::preview::hub::Hub;
@@ -46,7 +46,7 @@ fn parsed(file: &Path) -> Result<Presets, Error> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Presets::default()),
         Err(e) => {
             let fault = Error::recipe(file.display(), format!("cannot be read: {}", plain(&e)));
-            Err(fault.code(ErrorCode::RecipeFile).remedy("check the file").caused_by(e))
+            Err(fault.code(codes::costume::RECIPE_FILE).remedy("check the file").caused_by(e))
         }
     }
 }
@@ -63,7 +63,7 @@ fn written(stage: &Stage, file: &Path, (kind, name): (&str, &str), values: Optio
     let presets = Presets::parse(file, &text)?;
     write_whole(file, text.as_bytes(), true).map_err(|e| {
         Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e)))
-            .code(ErrorCode::WriteFailed)
+            .code(codes::usd::WRITE_FAILED)
             .remedy("allow the program to write to the garment's folder")
             .caused_by(e)
     })?;

@@ -1,6 +1,6 @@
 //! Warnings of seams on edges and of rows.
 
-use crate::error::{Code, Warning, counted};
+use crate::error::{Warning, codes, counted};
 use crate::mesh::VertexId;
 use crate::render::operator::OperatorOutput;
 
@@ -16,7 +16,7 @@ pub fn shallow_seam(
         counted(count, "vertex", "vertices"),
         100.0 * least
     );
-    let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);
+    let warning = Warning::new(codes::tailor::SHALLOW_SEAM, format!("seam.{name}"), problem);
     let warning = warning.at(output.input_points(here.map(|s| s.0))).amount(least);
     let remedy = format!("Move `seam.{name}.normalOffset` towards 0, or run folds after the seam");
     (count > 0).then(|| warning.remedy(remedy))

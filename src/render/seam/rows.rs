@@ -8,7 +8,7 @@ use super::chains::Network;
 use super::options::{RowSide, SeamOptions, flat};
 use super::profile::LINES as SHARES;
 use super::{reports, room};
-use crate::error::{Code, Error, Warning, Warnings, counted};
+use crate::error::{Error, Warning, Warnings, codes, counted};
 use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{EdgeId, FaceId, Topology, VertexId};
 use crate::render::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
@@ -237,7 +237,7 @@ impl Rows {
             let problem =
                 format!("its rows have {left:.0} % of width and height: they are close to each other or to the edges");
             let remedy = format!("Lower `{label}.width`, or raise `{label}.rowGap` or `{label}.offset`");
-            let warning = Warning::new(Code::NarrowSeam, &label, problem).at(at(all())).amount(ladder.room);
+            let warning = Warning::new(codes::tailor::NARROW_SEAM, &label, problem).at(at(all())).amount(ladder.room);
             warnings.push(warning.remedy(remedy));
         }
         let missing = at(self.missing(request, ladder, lines));
@@ -245,7 +245,7 @@ impl Rows {
             let edges = counted(missing.len(), "edge lacks", "edges lack");
             let problem = format!("{edges} a row at its distance: the cloth ends or another seam is there");
             let remedy = format!("Change `{label}.offset`, `{label}.rows` or `{label}.side`");
-            warnings.push(Warning::new(Code::NarrowSeam, &label, problem).at(missing).remedy(remedy));
+            warnings.push(Warning::new(codes::tailor::NARROW_SEAM, &label, problem).at(missing).remedy(remedy));
         }
         warnings
     }

@@ -3,7 +3,7 @@
 use super::cloth::{checked, limit, path, sheet, with_faces};
 use super::crossings::crossing_parents;
 use super::operators::{Surface, vertices_of};
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{Garment, Mesh};
 use crate::mesh::{Topology, VertexId};
 use crate::testing::operators::rendered;
@@ -56,7 +56,7 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
         options.extend(seams.into_iter().flatten().chain(seam.map(|_| "render.operators=s,h".to_owned())));
         let name = format!("bend {bend}, kink {kink}, seam {seam:?}");
         let (mesh, warnings) = rendered(&garment, &options);
-        assert!(kink < 0.0 || warnings.iter().all(|w| w.code != Code::Intersections), "{name}: {warnings:?}");
+        assert!(kink < 0.0 || warnings.iter().all(|w| w.code != codes::tailor::INTERSECTIONS), "{name}: {warnings:?}");
         let surface = Surface::new(&garment, &plain_options);
         let end = limit(&rendered(&garment, &plain_options).0)[VertexId::new(4)];
         let places = limit(&mesh);
@@ -87,7 +87,10 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
         let own: Vec<usize> = (0..coarse.faces.len()).collect();
         let crossing = crossing_parents(&coarse, &own);
         // Two small faces touch where the border turns back under the fold, and that is reported.
-        assert!(crossing.is_empty() || kink < 0.0 && told.iter().any(|w| w.code == Code::Intersections), "{name}");
+        assert!(
+            crossing.is_empty() || kink < 0.0 && told.iter().any(|w| w.code == codes::tailor::INTERSECTIONS),
+            "{name}"
+        );
     }
 }
 
@@ -111,7 +114,7 @@ fn a_cuff_of_few_faces_has_no_fins() {
         let options = ["fold.h.faces=hem", "fold.h.thickness=0.12", "render.level=3", "render.faceSets=true"];
         let (mesh, warnings) = rendered(&garment, &options);
         // The layers of a cuff of four touch beside the vertex that they share, which is reported.
-        assert!(n == 4 || warnings.iter().all(|w| w.code != Code::Intersections), "{n}: {warnings:?}");
+        assert!(n == 4 || warnings.iter().all(|w| w.code != codes::tailor::INTERSECTIONS), "{n}: {warnings:?}");
         let places = limit(&mesh);
         let layer = &vertices_of(&mesh, "h_inner") | &vertices_of(&mesh, "h_hem");
         let radius = |v: VertexId| places[v].truncate().length();
@@ -174,7 +177,7 @@ fn a_seam_over_uneven_quads_keeps_its_width_from_edge_to_edge() {
         let offset_option = format!("seam.a.normalOffset={offset}");
         let options = ["seam.a.edges=a", "seam.a.width=0.9", &offset_option, "render.level=4"];
         let (mesh, warnings) = rendered(&garment, &options);
-        assert!(warnings.iter().any(|w| w.code == Code::NarrowSeam), "{warnings:?}");
+        assert!(warnings.iter().any(|w| w.code == codes::tailor::NARROW_SEAM), "{warnings:?}");
         let heights: Vec<f32> = (36..=44).map(|v| limit(&mesh)[VertexId::new(v)].z.abs()).collect();
         for pair in heights.windows(2) {
             let ratio = pair[0].max(pair[1]) / pair[0].min(pair[1]);
@@ -367,7 +370,7 @@ fn a_hem_that_other_cloth_cuts_short_closes() {
     let amount = format!("fold.h.thickness={AMOUNT}");
     let options = ["fold.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
     let (mesh, warnings) = rendered(&garment, &options);
-    assert!(warnings.iter().any(|w| w.code == Code::BareFaces), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.code == codes::tailor::BARE_FACES), "{warnings:?}");
     let surface = Surface::new(&garment, &["render.level=3"]);
     let places = limit(&mesh);
     let hem = vertices_of(&mesh, "h_hem");

@@ -3,7 +3,7 @@
 use super::cloth::{checked, faces_in, limit, sheet, tube, with_faces};
 use super::crossings::crossing_parents;
 use super::operators::{EXACT, Surface, shapes, sound, vertices_of};
-use crate::error::{Code, Warning, Warnings};
+use crate::error::{Warning, Warnings, codes};
 use crate::garment::Mesh;
 use crate::mesh::VertexId;
 use crate::testing::operators::rendered;
@@ -85,7 +85,7 @@ fn tight_folds_are_thinner_and_say_so() {
     let garment = checked(with_faces(input, "all", 0..64));
     let options = ["fold.t.faces=all", "fold.t.thickness=0.5", "render.level=2"];
     let (mesh, warnings) = rendered(&garment, &options);
-    assert!(warnings.iter().any(|w| w.code == Code::ThinLayer), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.code == codes::tailor::THIN_LAYER), "{warnings:?}");
     sound(&mesh, "gutter");
 }
 
@@ -100,7 +100,8 @@ fn folded_back(gap: impl Fn(f32) -> f32) -> Mesh {
 
 /// How many faces have no second layer for want of room.
 fn without_room(warnings: &Warnings) -> usize {
-    let tight = warnings.iter().filter(|w| w.code == Code::BareFaces && w.problem.contains("other cloth lies"));
+    let tight =
+        warnings.iter().filter(|w| w.code == codes::tailor::BARE_FACES && w.problem.contains("other cloth lies"));
     let count = |w: &Warning| w.problem.split(' ').find_map(|word| word.parse::<usize>().ok()).expect("a count");
     tight.map(count).sum()
 }

@@ -5,7 +5,7 @@
 
 use super::cloth::faces_in;
 use super::crossings::crossing_parents;
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values, check_garment};
 use crate::mesh::{FaceId, VertexId};
 use crate::pipeline::mean_edge_length;
@@ -208,7 +208,7 @@ fn crossings(garment: &Mesh, level: u32, multiple: f32) -> [Crossings; 3] {
         let (mesh, warnings) = rendered(garment, &recipe(garment, level, sized(seam), sized(hem)));
         let after = crossing_parents(&mesh, &parents(&mesh));
         let new: Pairs = after.difference(&before).copied().collect();
-        Crossings { new, are_told: warnings.iter().any(|w| w.code == Code::Intersections) }
+        Crossings { new, are_told: warnings.iter().any(|w| w.code == codes::tailor::INTERSECTIONS) }
     })
 }
 

@@ -1,7 +1,7 @@
 //! Seams and stacks of operators: where the surface is, and that it is sound.
 
 use super::cloth::{checked, limit, path, sheet, torus, tube, with_faces};
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{Elements, Garment, Mesh, Orientation, Scheme};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::testing::nearest::Nearest;
@@ -230,7 +230,7 @@ fn networks_are_sound_and_flat_ones_stay_flat() {
             if offset == 0.0 {
                 assert!(mesh.points.iter().all(|p| p.z.abs() < 1e-5), "{name}");
             }
-            let narrow = warnings.iter().any(|w| w.code == Code::NarrowSeam);
+            let narrow = warnings.iter().any(|w| w.code == codes::tailor::NARROW_SEAM);
             let crowded = width > 0.5 || name.starts_with("every");
             assert!(!narrow || crowded, "{name}: {warnings:?}");
             assert!(
@@ -254,7 +254,7 @@ fn seams_that_are_too_wide_shrink_in_width_and_depth_and_say_where() {
     assert!(warnings.is_empty() && deep.iter().all(|d| (d - 1.0).abs() < 0.02), "{deep:?}, {warnings:?}");
     let wide = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=1", "seam.b.width=1"];
     let (shallow, warnings) = of(&[&wide[..], &["seam.a.normalOffset=-0.1", "seam.b.normalOffset=-0.1"]].concat());
-    let narrow: Vec<&Warning> = warnings.iter().filter(|w| w.code == Code::NarrowSeam).collect();
+    let narrow: Vec<&Warning> = warnings.iter().filter(|w| w.code == codes::tailor::NARROW_SEAM).collect();
     assert_eq!(narrow.len(), 2, "{warnings:?}");
     for warning in narrow {
         let (seam, least) = (warning.place.as_str(), warning.amount.expect("a share"));
@@ -293,7 +293,7 @@ fn both_orders_are_sound_and_differ() {
     assert!((under + 0.25).abs() < 0.02 && (through + 0.2).abs() < 0.02, "{under} {through}");
     let (deep, warnings) =
         rendered(&garment, &[&options("render.operators=t,s")[..], &["seam.s.normalOffset=-0.2"]].concat());
-    assert!(warnings.iter().any(|w| w.code == Code::ShallowSeam), "{warnings:?}");
+    assert!(warnings.iter().any(|w| w.code == codes::tailor::SHALLOW_SEAM), "{warnings:?}");
     sound(&deep, "deep");
 }
 
@@ -318,7 +318,7 @@ fn operators_run_as_they_are_named() {
     let garment = checked(with_edges(sheet(8), "line", &path(&[36, 37, 38])));
     let base = ["seam.s.edges=line", "fold.t.faces=half", "seam.s.width=0.2", "fold.t.thickness=0.1"];
     let (_, warnings) = rendered(&garment, &[&base[..], &["render.operators=t"]].concat());
-    assert!(warnings.iter().any(|w| w.code == Code::OperatorsLeftOut && w.problem.contains("`seam.s`")));
+    assert!(warnings.iter().any(|w| w.code == codes::tailor::OPERATORS_LEFT_OUT && w.problem.contains("`seam.s`")));
     assert_eq!(stack(&base).operators.len(), 2);
 }
 
@@ -336,7 +336,7 @@ fn an_operator_that_is_not_enabled_is_as_if_it_were_not_there() {
     assert!(same.points == with.points && warnings == warnings_with, "{warnings:?}");
     let off = ["seam.s.enabled=false", "fold.t.faces=half", "render.operators=t"];
     let (_, warnings) = rendered(&garment, &[&seam[..], &off].concat());
-    assert!(warnings.iter().all(|w| w.code != Code::OperatorsLeftOut), "{warnings:?}");
+    assert!(warnings.iter().all(|w| w.code != codes::tailor::OPERATORS_LEFT_OUT), "{warnings:?}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Attributes through stacks of operators: every kind of attribute, through any stack of up to four.
 
 use super::cloth::{checked, path, sheet, with_faces};
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{
     Elements, Family, FamilyType, Garment, Interpolation, Meaning, Mesh, PrimvarInput, PrimvarRole, SubsetInput, Values,
 };
@@ -266,7 +266,7 @@ fn new_faces_are_in_sets_of_their_own_when_asked() {
     let (mesh, _) = rendered(&garment, &base);
     assert_eq!(mesh.subsets.len(), garment.subsets.len());
     let (mesh, warnings) = rendered(&garment, &[&base[..], &["render.faceSets=true"]].concat());
-    assert!(warnings.iter().all(|w| w.code != Code::SetRenamed), "{warnings:?}");
+    assert!(warnings.iter().all(|w| w.code != codes::tailor::SET_RENAMED), "{warnings:?}");
     let new: BTreeSet<&str> = mesh.subsets[garment.subsets.len()..].iter().map(|s| s.name.as_str()).collect();
     assert_eq!(new, BTreeSet::from(["s_seam_faces", "t_hem", "t_inner"]));
     let faces = |name: &str| mesh.subset(name).map_or(0, |s| s.elements.len());
@@ -275,7 +275,7 @@ fn new_faces_are_in_sets_of_their_own_when_asked() {
 
     let both = checked(with_faces(with_faces(sample(), "s_seam", [0]), "s_seam_faces", [0]));
     let (_, warnings) = rendered(&both, &[&base[..], &["render.faceSets=true"]].concat());
-    let renamed: Vec<_> = warnings.iter().filter(|w| w.code == Code::SetRenamed).collect();
+    let renamed: Vec<_> = warnings.iter().filter(|w| w.code == codes::tailor::SET_RENAMED).collect();
     assert!(matches!(renamed[..], [w] if w.place == "s_seam_faces_2" && w.problem.contains("`s_seam`")), "{renamed:?}");
 }
 

@@ -1,7 +1,7 @@
 //! The work of repair, which has a bound.
 
 use super::cloth::{checked, sheet};
-use crate::error::Code;
+use crate::error::{WarningCode, codes};
 use crate::garment::Garment;
 use crate::mesh::Topology;
 use crate::testing::operators::rendered;
@@ -43,8 +43,8 @@ fn repair_of_crumpled_cloth_and_poles_ends_at_its_bound() {
         let garment = checked(input);
         let (made, warnings) = rendered(&garment, &["seam.s.edges=all", "seam.s.width=0.02", "render.level=1"]);
         assert!(made.points.iter().all(|p| p.is_finite()), "{name}");
-        let is_told = |code: Code| warnings.iter().any(|w| w.code == code && w.place == "seam.s");
-        assert_eq!(is_told(Code::RepairCutShort), is_cut_short, "{name}");
-        assert!(!is_cut_short || is_told(Code::Intersections), "{name}: what is not tested is reported");
+        let is_told = |code: WarningCode| warnings.iter().any(|w| w.code == code && w.place == "seam.s");
+        assert_eq!(is_told(codes::tailor::REPAIR_CUT_SHORT), is_cut_short, "{name}");
+        assert!(!is_cut_short || is_told(codes::tailor::INTERSECTIONS), "{name}: what is not tested is reported");
     }
 }

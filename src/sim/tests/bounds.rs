@@ -1,7 +1,7 @@
 //! Bounds of the simulation mesh: bad UVs, limits of its size, and garments of any place and scale.
 
 use super::{MAX_FACES, baseline, prepare};
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{Elements, Garment, Mesh, Orientation, Values};
 use crate::sim::{SimProduct, simulate};
 use crate::testing::cases::few;
@@ -40,7 +40,9 @@ fn built(input: Garment, recipe: &Recipe) -> Products {
 /// The faces that the warning of flipped UVs names.
 fn told(products: &Products) -> BTreeSet<usize> {
     let of = |warning: &Warning| match &warning.elements {
-        Elements::Faces(faces) if warning.code == Code::FlippedUvs => faces.iter().map(|f| f.index()).collect(),
+        Elements::Faces(faces) if warning.code == codes::tailor::FLIPPED_UVS => {
+            faces.iter().map(|f| f.index()).collect()
+        }
         _ => BTreeSet::new(),
     };
     products.warnings.iter().flat_map(of).collect()
@@ -113,7 +115,7 @@ fn a_mesh_that_reaches_its_limit_says_so() {
     (recipe.sim.density, recipe.sim.baseline_level) = ("density".into(), 0);
     (recipe.sim.min_edge_length, recipe.sim.max_edge_length, recipe.sim.grading) = (0.1, 1.0, 1.05);
     let expected = builder.plan(&recipe).unwrap_or_else(|e| panic!("{e}")).expected_faces;
-    let is_told = |products: &Products| products.warnings.iter().any(|w| w.code == Code::FaceLimit);
+    let is_told = |products: &Products| products.warnings.iter().any(|w| w.code == codes::tailor::FACE_LIMIT);
     let free = builder.update(&recipe).unwrap_or_else(|e| panic!("{e}"));
     assert!(free.sim.faces.len() > expected && !is_told(&free), "{} for {expected}", free.sim.faces.len());
     let limited = builder.sibling().with_max_faces(expected).update(&recipe).unwrap_or_else(|e| panic!("{e}"));
@@ -174,7 +176,7 @@ fn products_are_the_same_wherever_the_garment_is() {
         // Half the spacing of numbers at the offset, along each axis.
         same_up_to(&own.sim, &products.sim, 0.11, |p| p + offset);
         same_up_to(&own.render, &products.render, 0.11, |p| p + offset);
-        assert!(products.warnings.iter().any(|w| w.code == Code::FarFromOrigin));
+        assert!(products.warnings.iter().any(|w| w.code == codes::tailor::FAR_FROM_ORIGIN));
         assert_eq!(products.binding.faces, own.binding.faces);
         let again = builder.update(&Recipe::default()).unwrap_or_else(|e| panic!("{e}"));
         assert!(std::sync::Arc::ptr_eq(&again.sim, &products.sim), "results are kept");

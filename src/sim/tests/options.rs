@@ -2,7 +2,7 @@
 
 use super::{MAX_FACES, baseline, prepare};
 use crate::Builder;
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{BoundaryInterpolation, Garment, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{SimProduct, simulate};
@@ -89,7 +89,7 @@ fn curves_that_bend_within_an_edge_are_told() {
         let mut builder = Builder::new(again).unwrap_or_else(|e| panic!("{e}"));
         let warnings = builder.update(&prepared.recipe).unwrap_or_else(|e| panic!("{e}")).warnings;
         let told = product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max);
-        let is_told = |w: &Warning| w.code == Code::CurvesCut && w.amount == Some(told);
+        let is_told = |w: &Warning| w.code == codes::tailor::CURVES_CUT && w.amount == Some(told);
         assert_eq!(warnings.iter().any(is_told), is_cut, "{warnings:?}");
     }
 }

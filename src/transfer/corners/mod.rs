@@ -8,7 +8,7 @@ mod shells;
 mod sources;
 
 use super::correspondence::Correspondence;
-use crate::error::{Code, Warning, counted};
+use crate::error::{Warning, codes, counted};
 use crate::garment::{Elements, Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Real, gathered};
@@ -47,7 +47,7 @@ fn cut_off_warning(triangles: &[FaceId], primvar: &Primvar, map: &Correspondence
     let triangle_words = counted(triangles.len(), "triangle is", "triangles are");
     let problem = format!("{triangle_words} cut off from their UV shells, within which they would be flipped");
     let faces = triangles.iter().map(|&triangle| map.product.baseline.source_face[map.triangle_under(triangle)]);
-    Warning::new(Code::NotCarried, format!("primvars:{}", primvar.name), problem)
+    Warning::new(codes::mesh::NOT_CARRIED, format!("primvars:{}", primvar.name), problem)
         .at(Elements::Faces(faces.collect()))
         .remedy("Add edge sets along the cuts of the layout to sim.constraints, or lower sim.maxEdgeLength")
 }

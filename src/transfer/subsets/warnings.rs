@@ -1,6 +1,6 @@
 //! Warnings of subsets that the simulation mesh cannot hold.
 
-use crate::error::{Code, Warning, counted};
+use crate::error::{Warning, codes, counted};
 use crate::garment::{Elements, Mesh, Subset, face_sets_warning};
 use crate::mesh::FaceId;
 use crate::transfer::coverage::Coverage;
@@ -20,7 +20,7 @@ pub(super) fn of_small_sets<'a>(garment: &'a Mesh, sets: &[Vec<FaceId>], coverag
     let (sets, agreements): (Vec<&Subset>, Vec<f64>) = found.filter(|(_, own)| *own < AGREEMENT).unzip();
     let least = agreements.iter().copied().reduce(f64::min)?;
     let problem = format!("they are about one triangle wide: only {:.0} % of their area is kept", 100.0 * least);
-    let warning = face_sets_warning(Code::SetsBlurred, &sets, problem);
+    let warning = face_sets_warning(codes::tailor::SETS_BLURRED, &sets, problem);
     Some(warning.amount(least as f32).remedy("Add their borders to sim.constraints, or lower sim.maxEdgeLength"))
 }
 
@@ -50,5 +50,5 @@ pub(super) fn of_edges(source: &Subset, carried: &CarriedEdges) -> Vec<Warning> 
 }
 
 fn of_subset(source: &Subset, problem: String) -> Warning {
-    Warning::new(Code::NotCarried, format!("subset {}", source.name), problem)
+    Warning::new(codes::mesh::NOT_CARRIED, format!("subset {}", source.name), problem)
 }

@@ -1,7 +1,7 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
 use super::sheet;
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::recipe::Layers;
@@ -210,7 +210,7 @@ fn parts(source: &[FaceId], coverage: &Coverage) -> Vec<(FaceId, f64, f64)> {
 
 /// The sets that a warning calls too narrow.
 fn told_blurred(built: &Built) -> Vec<&String> {
-    built.warnings.iter().filter(|w| w.code == Code::SetsBlurred).flat_map(|w| &w.names).collect()
+    built.warnings.iter().filter(|w| w.code == codes::tailor::SETS_BLURRED).flat_map(|w| &w.names).collect()
 }
 
 #[test]

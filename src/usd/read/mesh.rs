@@ -7,7 +7,7 @@ use super::query::{
 use super::shapes::read_shapes;
 use super::skin::check_joints;
 use super::space::{space, transforms, units, uv_scales};
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{
     FaceNumbers, Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput, split_repeats,
 };
@@ -94,7 +94,9 @@ fn constant_uvs(prim: &Prim, mesh: &Garment, time: Option<TimeCode>) -> Result<W
         if let Some((_, kind)) = elements.iter().find(|(elements, _)| *elements == count) {
             let problem = format!("its interpolation is constant, so its {count} values are not read as UVs");
             let place = format!("{}.{property}", prim.path());
-            warnings.push(Warning::new(Code::NoUvSet, place, problem).remedy(format!("Set interpolation to {kind}")));
+            warnings.push(
+                Warning::new(codes::tailor::NO_UV_SET, place, problem).remedy(format!("Set interpolation to {kind}")),
+            );
         }
     }
     Ok(warnings)
@@ -119,11 +121,11 @@ fn required_or_empty<T>(
     match value(prim, name, time)? {
         Some(value) => convert(value).map_err(|expected| {
             Error::usd(format!("{}.{name} is not of type {expected}", prim.path()))
-                .code(ErrorCode::AttributeType)
+                .code(codes::usd::ATTRIBUTE_TYPE)
                 .remedy(format!("declare it as {expected} {name}"))
         }),
         None if required => Err(Error::usd(format!("{} has no {name}", prim.path()))
-            .code(ErrorCode::AttributeType)
+            .code(codes::usd::ATTRIBUTE_TYPE)
             .remedy("a mesh needs points, faceVertexCounts and faceVertexIndices")),
         None => Ok(Vec::new()),
     }

@@ -3,7 +3,7 @@
 use super::mesh::motion;
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
 use crate::usd::assets::{file_path, resolved};
 use crate::usd::names::{self, UsdToken};
@@ -150,7 +150,7 @@ pub fn read_primvar(
     let declared = |property: &str| Record::take(prim, property, Depth::Declaration).or_unreadable(attribute.path());
     let Some(declaration) = declared(&property)? else { return Ok(None) };
     let Some(type_name) = declaration.type_name() else { return Ok(None) };
-    let flat = flat(type_name, value).map_err(|why| Error::usd(why).code(ErrorCode::AttributeType))?;
+    let flat = flat(type_name, value).map_err(|why| Error::usd(why).code(codes::usd::ATTRIBUTE_TYPE))?;
     let Flat { meaning, half, components, values } = flat;
     let primvar = PrimvarInput {
         name: name.to_owned(),
@@ -174,7 +174,7 @@ fn element_size(declaration: &Record) -> Result<i32, Error> {
     match declaration.metadata(names::ELEMENT_SIZE) {
         None => Ok(1),
         Some(Value::Int(n)) => Ok(*n),
-        Some(_) => Err(Error::usd("its elementSize is not an int").code(ErrorCode::AttributeType)),
+        Some(_) => Err(Error::usd("its elementSize is not an int").code(codes::usd::ATTRIBUTE_TYPE)),
     }
 }
 
@@ -183,7 +183,7 @@ fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
         Some(_) => Err(Error::usd("its indices are not of type int[]")
-            .code(ErrorCode::AttributeType)
+            .code(codes::usd::ATTRIBUTE_TYPE)
             .remedy(format!("Declare {property}{} as int[]", names::INDICES_SUFFIX))),
     }
 }

@@ -1,7 +1,7 @@
 //! The recipe in the model's own properties, as JSON.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, subset_prims, value};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::files::folder_of;
 use crate::usd::assets::file_path;
 use crate::usd::names;
@@ -50,7 +50,7 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         if key.matches(':').count() > MOST_PARTS {
             let start: String = name.chars().take(60).collect();
             let problem = format!("{}.{start}...: the name has more than {MOST_PARTS} parts", prim.path());
-            return Err(Error::usd(problem).code(ErrorCode::RecipeAttribute).remedy("give it a shorter name"));
+            return Err(Error::usd(problem).code(codes::costume::RECIPE_ATTRIBUTE).remedy("give it a shorter name"));
         }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
@@ -62,7 +62,7 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         if let Some(value) = value {
             insert(&mut recipe, key, value).ok_or_else(|| {
                 Error::usd(format!("{}.{name} is both a value and a namespace", prim.path()))
-                    .code(ErrorCode::RecipeAttribute)
+                    .code(codes::costume::RECIPE_ATTRIBUTE)
                     .remedy("remove one of the two")
             })?;
         }
@@ -116,7 +116,7 @@ fn option_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Optio
     let Some(value) = value(prim, name, time)? else { return Ok(None) };
     to_json(&value).map(Some).ok_or_else(|| {
         Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
-            .code(ErrorCode::RecipeAttribute)
+            .code(codes::costume::RECIPE_ATTRIBUTE)
             .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
     })
 }
@@ -148,7 +148,7 @@ fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Option<Json>, Error> 
                 "{}.{name} targets {target}, which is not a GeomSubset of the mesh",
                 prim.path()
             ))
-            .code(ErrorCode::RecipeAttribute)
+            .code(codes::costume::RECIPE_ATTRIBUTE)
             .remedy(format!("target one of its subsets: {}", known.join(", "))));
         }
     }

@@ -1,7 +1,7 @@
 //! Reading blend shapes (`UsdSkelBlendShape`) below the model or bound to it.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, value};
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{Interpolation, Meaning, PrimvarInput, PrimvarRole, Values};
 use crate::usd::names;
 use crate::usd::record::{Depth, Record};
@@ -78,12 +78,12 @@ fn read_shape(
 ) -> Result<(BlendShape, Vec<PrimvarInput>), Error> {
     let prim = prim_at(model.stage(), path)?;
     if !is_a(&prim, names::BLEND_SHAPE)? {
-        return Err(Error::usd("there is no BlendShape prim").code(ErrorCode::AttributeType));
+        return Err(Error::usd("there is no BlendShape prim").code(codes::usd::ATTRIBUTE_TYPE));
     }
     let indices = match value(&prim, names::POINT_INDICES, None)? {
         Some(Value::IntVec(indices)) => Some(indices),
         None => None,
-        Some(_) => return Err(Error::usd("its pointIndices are not of type int[]").code(ErrorCode::AttributeType)),
+        Some(_) => return Err(Error::usd("its pointIndices are not of type int[]").code(codes::usd::ATTRIBUTE_TYPE)),
     };
     let mut shape = BlendShape { name: prim_name(&prim), binding, properties: Vec::new() };
     let mut primvars = Vec::new();
@@ -95,11 +95,13 @@ fn read_shape(
             Some(Value::Vec3fVec(offsets)) => offsets,
             None => continue,
             Some(_) => {
-                return Err(Error::usd(format!("its {name} are not three floats each")).code(ErrorCode::AttributeType));
+                return Err(
+                    Error::usd(format!("its {name} are not three floats each")).code(codes::usd::ATTRIBUTE_TYPE)
+                );
             }
         };
         let values = dense(&offsets, indices.as_deref(), points);
-        let values = values.map_err(|why| Error::usd(format!("its {name} {why}")).code(ErrorCode::AttributeType))?;
+        let values = values.map_err(|why| Error::usd(format!("its {name} {why}")).code(codes::usd::ATTRIBUTE_TYPE))?;
         shape.properties.extend(Record::take(&prim, &name, Depth::Declaration).or_unreadable(path)?);
         primvars.push(PrimvarInput {
             name: format!("{path}.{name}"),

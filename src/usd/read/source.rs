@@ -13,7 +13,7 @@ use super::query::prim_at;
 use super::recipe::{add_constraint, read_recipe};
 use super::trims::FittedTrim;
 use super::variants::{Selection, choices_of, frozen};
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::error::{Error, ErrorKind, Warning, Warnings, codes};
 use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
@@ -57,7 +57,7 @@ impl ReadOptions {
             return Ok(tolerance);
         }
         let text = format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}");
-        let fault = Error::new(ErrorKind::Usage, "", text).code(ErrorCode::CommandLine);
+        let fault = Error::new(ErrorKind::Usage, "", text).code(codes::mesh::COMMAND_LINE);
         Err(fault.remedy("give a share of the mean edge length, such as 0.001"))
     }
 }
@@ -117,7 +117,7 @@ impl Source {
     pub(super) fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
             return Err(Error::new(ErrorKind::Usage, "", "the time is not a number")
-                .code(ErrorCode::CommandLine)
+                .code(codes::mesh::COMMAND_LINE)
                 .remedy("give a time code, such as 1 or 24.5"));
         }
         on_large_stack(|| Self::take(origin, options))
@@ -293,7 +293,7 @@ pub fn variants_of(file: &Path, options: &ReadOptions, set: &str) -> Result<Vec<
 fn composition(stage: &Stage, file: &Path) -> Warnings {
     let warning = |e| {
         let problem = format!("the stage does not compose fully: {}", in_words(e));
-        Warning::new(Code::Composition, file.display(), problem).remedy(remedy(e))
+        Warning::new(codes::usd::COMPOSITION, file.display(), problem).remedy(remedy(e))
     };
     stage.composition_errors().iter().map(warning).collect()
 }

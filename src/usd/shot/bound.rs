@@ -6,7 +6,7 @@ use super::conversion::StageMetrics;
 use super::space::Space;
 use crate::binding::Binding;
 use crate::drive::{BindFrames, BindPose, Driver};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::usd::names;
 use crate::usd::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value};
 use crate::usd::write::{extent, pose_points};
@@ -146,7 +146,7 @@ impl Bound {
 fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
     let [faces, coords, source] = names::MODEL_BINDING;
     let (sim, file) = (holder.path(), options.render.display());
-    let stale = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy(remedy));
+    let stale = |text: String, remedy: &str| Err(Error::usd(text).code(codes::costume::STALE_BINDING).remedy(remedy));
     let paths = holder.relationship(source).targets().or_unreadable(sim)?;
     if paths.is_empty() {
         let text = format!("{sim} of {file} has no {source}");
@@ -200,7 +200,7 @@ fn read_places(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Binding, Err
     match value(holder, coords, None)? {
         Some(Value::Vec3fVec(coords)) => Ok(Binding { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
         _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-            .code(ErrorCode::StaleBinding)
+            .code(codes::costume::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -215,7 +215,7 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     match points {
         Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
         _ => Err(Error::usd(format!("{} has no points without a time", prim.path()))
-            .code(ErrorCode::StaleBinding)
+            .code(codes::costume::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -224,7 +224,7 @@ fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {
     match value(prim, name, None)? {
         Some(Value::IntVec(values)) => Ok(values),
         _ => Err(Error::usd(format!("{}.{name} is missing", prim.path()))
-            .code(ErrorCode::StaleBinding)
+            .code(codes::costume::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -234,7 +234,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
         return Err(Error::usd(format!("{} is not a triangle mesh", sim.path()))
-            .code(ErrorCode::StaleBinding)
+            .code(codes::costume::STALE_BINDING)
             .remedy("build the garment again"));
     }
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
@@ -348,7 +348,7 @@ fn normals(prim: &Prim, points: usize, time: Option<TimeCode>) -> Result<Option<
     if of.len() != values.len() || !of.iter().all(|v| (0..points as i32).contains(v)) {
         let text = format!("{} normals of {} do not fit its {points} points and its faces", values.len(), prim.path());
         return Err(Error::usd(text)
-            .code(ErrorCode::AttributeType)
+            .code(codes::usd::ATTRIBUTE_TYPE)
             .remedy("mend its normals or their interpolation, or block them"));
     }
     let values = bytemuck::cast_slice(&values).to_vec();

@@ -5,7 +5,7 @@
 
 use super::DrivenPrim;
 use super::stream::{sampled, type_of, unwritable};
-use crate::error::{Error, ErrorCode, plain};
+use crate::error::{Error, ErrorCode, codes, plain};
 use crate::files;
 use crate::usd::assets::Anchor;
 use crate::usd::write::{OutputFile, PREFIX, Unfinished};
@@ -56,23 +56,23 @@ impl Clips {
             Err(Error::usd(format!("{} {text}", folder.display())).code(code).remedy(remedy))
         };
         if folder.exists() && !force {
-            return fault(ErrorCode::OutputExists, "exists already", "use --force to overwrite it");
+            return fault(codes::usd::OUTPUT_EXISTS, "exists already", "use --force to overwrite it");
         }
         let earlier = contents(&folder);
         if let Some(inner) = earlier.iter().find(|path| **path != folder && path.is_dir()) {
             let text = format!("holds the folder {}, which is not a clip", inner.display());
-            return fault(ErrorCode::OutputPath, &text, "move it away, or write to another file");
+            return fault(codes::usd::OUTPUT_PATH, &text, "move it away, or write to another file");
         }
         if !earlier.iter().all(|path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)) {
             return fault(
-                ErrorCode::OutputPath,
+                codes::usd::OUTPUT_PATH,
                 "is not a folder of clips, or holds more than clips",
                 "move it away, or write to another file",
             );
         }
         if let Some(i) = used(&earlier)? {
             let text = format!("holds {}, which is an input", earlier[i].display());
-            return fault(ErrorCode::OutputIsInput, &text, "write to another file; an input is never changed");
+            return fault(codes::usd::OUTPUT_IS_INPUT, &text, "write to another file; an input is never changed");
         }
         // Files are renamed into the folder, so that they have to be on its disk.
         let real = folder.canonicalize().ok();
@@ -177,7 +177,7 @@ impl Clips {
 
     fn fault(&self, e: &io::Error) -> Error {
         Error::usd(format!("cannot write {}: {}", self.folder.display(), plain(e)))
-            .code(ErrorCode::WriteFailed)
+            .code(codes::usd::WRITE_FAILED)
             .remedy("check the folder's permissions and the space on its disk")
     }
 

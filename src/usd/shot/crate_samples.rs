@@ -3,7 +3,7 @@
 //! The USD library reads a file whole, and all samples of an attribute at once. Here it gets the tables of the crate alone, in a
 //! buffer whose other pages are never touched, and tells where the samples are. Source: OpenUSD, `pxr/usd/sdf/crateFile.h`.
 
-use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::error::{Error, ErrorKind, codes, plain};
 use crate::files;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
@@ -134,7 +134,7 @@ impl CrateSamples {
 
     fn fault(&self, e: &io::Error) -> Error {
         let text = format!("cannot read its frames: {}", plain(e));
-        Error::new(ErrorKind::Usd, self.path.display(), text).code(ErrorCode::CacheFile).remedy("cache it again")
+        Error::new(ErrorKind::Usd, self.path.display(), text).code(codes::usd::CACHE_FILE).remedy("cache it again")
     }
 }
 

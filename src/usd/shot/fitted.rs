@@ -4,7 +4,7 @@ use super::bound::{Bind, BoundPrim};
 use super::stream::type_of;
 use crate::binding::BindSurface;
 use crate::drive::BindFrames;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::Mesh;
 use crate::mesh::{Faces, IdVec, VertexId};
 use crate::trim::{TrimMode, TrimOptions};
@@ -32,7 +32,7 @@ impl Source {
     ) -> Result<Warnings, Error> {
         if points.len() != mesh.points.len() {
             let text = format!("{} new points for a garment of {}", points.len(), mesh.points.len());
-            return Err(Error::usd(text).code(ErrorCode::ValueCount).remedy("give one for each of its points"));
+            return Err(Error::usd(text).code(codes::mesh::VALUE_COUNT).remedy("give one for each of its points"));
         }
         let mut fitted = FittedPoints { points, time, ..FittedPoints::default() };
         let mut warnings = Warnings::default();

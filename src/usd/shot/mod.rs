@@ -17,7 +17,7 @@ mod space;
 mod stream;
 
 use crate::drive::Driver;
-use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::error::{Error, ErrorKind, codes};
 use crate::usd::{names, on_large_stack};
 use bound::{Bound, BoundPrim, MeshAtBind};
 use cache::{Cache, Frame};
@@ -230,7 +230,9 @@ fn check_finite(time: f64, meshes: &[DrivenPrim], file: &Path) -> Result<(), Err
         return Ok(());
     }
     let text = format!("frame {time} moves points to places or with velocities that are not finite");
-    Err(Error::new(ErrorKind::Usd, file.display(), text).code(ErrorCode::CacheFrames).remedy("cache this frame again"))
+    Err(Error::new(ErrorKind::Usd, file.display(), text)
+        .code(codes::usd::CACHE_FRAMES)
+        .remedy("cache this frame again"))
 }
 
 /// Refuses a first frame whose edges have other lengths than at bind: its points are in another order.
@@ -245,6 +247,6 @@ fn check_first(mesh: &MeshAtBind, frame: &Frame, file: &Path) -> Result<(), Erro
         mesh.path, mesh.edge_length
     );
     Err(Error::new(ErrorKind::Usd, file.display(), text)
-        .code(ErrorCode::CacheMismatch)
+        .code(codes::usd::CACHE_MISMATCH)
         .remedy("cache the points of the simulation mesh as it was written"))
 }

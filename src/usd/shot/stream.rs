@@ -8,7 +8,7 @@ use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, DrivenPrim};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::usd::assets::same_file;
 use crate::usd::names;
 use crate::usd::read::first_used;
@@ -65,7 +65,7 @@ impl ShotWriter {
         let file = OutputFile::find(&options.output, is_used, options.force)?;
         if file.format == Format::Usdz {
             return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
-                .code(ErrorCode::OutputPath)
+                .code(codes::usd::OUTPUT_PATH)
                 .remedy("write .usdc, and package it with usdzip"));
         }
         let layer = layer(options, bound, &file, times, rate)?;
@@ -196,7 +196,7 @@ fn used(options: &DriveOptions, bound: &Bound, files: &[PathBuf]) -> Result<Opti
 
 /// The error of a shot that the USD library does not write.
 pub fn unwritable(e: &impl std::fmt::Display) -> Error {
-    Error::usd(format!("the shot cannot be written: {e}")).code(ErrorCode::WriteFailed)
+    Error::usd(format!("the shot cannot be written: {e}")).code(codes::usd::WRITE_FAILED)
 }
 
 /// Unbinds a mesh from its skeleton, which would move the points of the cache again: an explicit list without a target.

@@ -6,7 +6,7 @@ use super::role::SetChoice;
 use super::save::OutputFile;
 use super::trims::{BoundTrim, FittedTrims, fitted_trims};
 use super::variant::copy_into_variant;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::usd::read::{
     FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, frozen_trim, points_name, prim_at,
     property_names, transforms, value,
@@ -124,7 +124,7 @@ fn refer(data: &mut sdf::Data, prim: &sdf::Path) -> openusd::Result<()> {
 
 fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
     let text = format!("{}{{{}={}}} cannot be a variant: {error}", selection.prim, selection.set, selection.choice);
-    Error::usd(text).code(ErrorCode::NameTaken).remedy("give the files of bodies names of letters, digits and _")
+    Error::usd(text).code(codes::costume::NAME_TAKEN).remedy("give the files of bodies names of letters, digits and _")
 }
 
 impl Author<'_> {

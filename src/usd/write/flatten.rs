@@ -1,7 +1,7 @@
 //! The whole stage as one layer.
 
 use super::crates::any;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::usd::assets::{Anchor, resolved, unwritable};
 use crate::usd::read::{COMPOSITION, Model, all_prims, prim_at};
 use crate::usd::record::{Content, Depth, NO_SPLINE, Record, metadata};
@@ -25,7 +25,7 @@ const STACK: &[FieldKey] = &[
 pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor) -> Result<(Data, Warnings), Error> {
     let fault = |e: openusd::Error| {
         Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()))
-            .code(ErrorCode::CompositionFailed)
+            .code(codes::usd::COMPOSITION_FAILED)
     };
     let stage = model.origin.open()?;
     let mut paths = all_prims(&stage, &model.origin.file, PrimPredicate::ALL, true)?;

@@ -9,7 +9,7 @@ use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count}
 use super::save::{Format, OutputFile, text_of};
 use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, Warnings, codes};
 use crate::usd::assets::{Anchor, as_named, writable};
 use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
 use crate::usd::{BuildRecord, on_large_stack};
@@ -131,14 +131,14 @@ pub fn layer_bytes(
         let ((mut data, _), mut warnings) = compose(&all, frame, options)?;
         let bytes = match format {
             Format::Usda => text_of(&data).map(String::into_bytes).map_err(|e| {
-                Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
+                Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::usd::WRITE_FAILED)
             }),
             Format::Usdc => {
                 warnings.extend(remove_unwritable(&mut data));
                 encode_plainly(&mut data)
             }
             Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
-                .code(ErrorCode::OutputPath)
+                .code(codes::usd::OUTPUT_PATH)
                 .remedy("choose text or crate")),
         };
         Ok((bytes?, warnings))
@@ -172,7 +172,7 @@ fn compose(
     }
     if frame.flatten && garments.iter().any(|garment| garment.variant.is_some()) {
         return Err(Error::usd("a flattened stage or package has no variants")
-            .code(ErrorCode::OutputPath)
+            .code(codes::usd::OUTPUT_PATH)
             .remedy("write .usd, .usda or .usdc, over the input"));
     }
     let stage = &garments[0].source.model;
@@ -274,7 +274,7 @@ fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
     let model = &garment.source.model.path;
     let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
     let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
-    Err(Error::usd(text).code(ErrorCode::OutputPath).remedy(remedy))
+    Err(Error::usd(text).code(codes::usd::OUTPUT_PATH).remedy(remedy))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.
@@ -309,7 +309,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         if !is_ours || model.has_panel(name) || products.iter().any(|product| product.name == name) {
             let path = model.sibling_path(name).or_unreadable(&model.path)?;
             return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
-                .code(ErrorCode::NameTaken)
+                .code(codes::costume::NAME_TAKEN)
                 .remedy("rename that prim, or write no physics by --physics none"));
         }
     }
@@ -317,7 +317,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         let flag = product.role.name_flag();
         if !product.name.split('/').all(sdf::Path::is_valid_identifier) {
             return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
-                .code(ErrorCode::NameTaken)
+                .code(codes::costume::NAME_TAKEN)
                 .remedy("use letters, digits and _, and no digit first"));
         }
         if is_taken(model, product.sibling()) || products[..i].iter().any(|p| p.name == product.name) {
@@ -349,7 +349,7 @@ fn is_taken(model: &Model, name: &str) -> bool {
 fn taken(model: &Model, name: &str, flag: &str) -> Result<Error, Error> {
     let path = model.sibling_path(name).or_unreadable(&model.path)?;
     Ok(Error::usd(format!("{path} is taken by another prim"))
-        .code(ErrorCode::NameTaken)
+        .code(codes::costume::NAME_TAKEN)
         .remedy(format!("rename that prim, or choose another name by {flag}")))
 }
 
@@ -359,7 +359,7 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
     let own = model.name().replace('/', "_");
     let fault =
-        Error::usd(format!("{} was made from {}, which it would hide", path?, other?)).code(ErrorCode::NameTaken);
+        Error::usd(format!("{} was made from {}, which it would hide", path?, other?)).code(codes::costume::NAME_TAKEN);
     Err(fault
         .remedy(format!("give each garment names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
 }

@@ -1,7 +1,7 @@
 //! Packages (`.usdz`): a crate and the files that it uses.
 
 use super::crates::{encode, remove_unwritable};
-use crate::error::{Error, ErrorCode, Warning, Warnings, plain};
+use crate::error::{Error, Warning, Warnings, codes, plain};
 use crate::files;
 use crate::usd::assets::tiles;
 use crate::usd::read::Files;
@@ -39,7 +39,8 @@ pub fn package(mut data: Data, stem: &str) -> Result<(PackageData, Warnings), Er
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
     let mut archive = ArchiveWriter::new(&mut whole);
-    let fault = |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}")).code(ErrorCode::WriteFailed);
+    let fault =
+        |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}")).code(codes::usd::WRITE_FAILED);
     archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
     for (name, bytes) in &package.entries {
         archive.add_layer(name, bytes).map_err(fault)?;

@@ -2,7 +2,7 @@
 
 use super::role::{Product, ProductRole, SetChoice, sims};
 use crate::binding::Binding;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use crate::meter;
@@ -348,7 +348,7 @@ impl Author<'_> {
 /// The error of a layer that does not admit a name or type.
 #[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
 pub fn fault(error: openusd::Error) -> Error {
-    Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
+    Error::usd(format!("the layer cannot be composed: {error}")).code(codes::usd::COMPOSITION_FAILED)
 }
 
 /// The warning of a primvar that no file can hold.

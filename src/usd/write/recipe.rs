@@ -2,7 +2,7 @@
 
 use super::layer::{LayerContext, overlay};
 use super::save::{Format, OutputFile, text_of};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::usd::read::{Files, Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
 use crate::usd::{names, on_large_stack};
@@ -63,7 +63,7 @@ pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Re
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
         text_of(&with_short_floats(data))
-            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed))
+            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::usd::WRITE_FAILED))
     })
 }
 
@@ -84,7 +84,7 @@ pub fn write_recipe(
     let file = OutputFile::find(out, |file| source.model.uses(file), force)?;
     if file.format == Format::Usdz {
         return Err(Error::usd(format!("{} is a package, which holds no recipe", out.display()))
-            .code(ErrorCode::OutputPath)
+            .code(codes::usd::OUTPUT_PATH)
             .remedy("save to a .usda, .usdc or .usd file"));
     }
     on_large_stack(|| {
@@ -158,7 +158,7 @@ fn selected(data: &dyn AbstractData) -> Vec<Selection> {
 }
 
 fn fault(e: impl std::fmt::Display) -> Error {
-    Error::usd(format!("the layer cannot be composed: {e}")).code(ErrorCode::CompositionFailed)
+    Error::usd(format!("the layer cannot be composed: {e}")).code(codes::usd::COMPOSITION_FAILED)
 }
 
 /// A layer over the garment, without opinions.
@@ -185,12 +185,12 @@ fn edited(
     let path = file.path().to_string_lossy();
     let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref()).map_err(|e| {
         Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
-            .code(ErrorCode::NotWrittenBack)
+            .code(codes::usd::NOT_WRITTEN_BACK)
             .remedy("save to a new file")
     })?;
     if let Some(what) = cannot_be_rewritten(layer.data()) {
         return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
-            .code(ErrorCode::NotWrittenBack)
+            .code(codes::usd::NOT_WRITTEN_BACK)
             .remedy("save to a new file, and sublayer it there"));
     }
     let earlier = earlier(layer.data(), &model.path, replaced.is_option);
@@ -358,7 +358,7 @@ fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
     };
     match data.spec_paths().iter().find(|path| differs(path)) {
         Some(path) => Err(Error::usd(format!("{path} in {} cannot be written back unchanged", out.display()))
-            .code(ErrorCode::NotWrittenBack)
+            .code(codes::usd::NOT_WRITTEN_BACK)
             .remedy("save to a new file, and sublayer it there")),
         None => Ok(()),
     }

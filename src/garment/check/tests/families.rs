@@ -1,7 +1,7 @@
 //! Families whose subsets break their rule.
 
 use super::{cloth, subset};
-use crate::error::{Code, Warning};
+use crate::error::{Warning, codes};
 use crate::garment::{Elements, Family, FamilyType, Garment, check_garment};
 use crate::mesh::{FaceId, VertexId};
 
@@ -11,7 +11,7 @@ fn checked(family: &str, change: impl Fn(&mut Garment)) -> (FamilyType, Warning)
     change(&mut input);
     let (before, sets) = (input.families.clone(), input.subsets.len());
     let (mesh, warnings) = check_garment(input).expect("a mesh without faults");
-    let found: Vec<Warning> = warnings.into_iter().filter(|w| w.code == Code::FamilyRule).collect();
+    let found: Vec<Warning> = warnings.into_iter().filter(|w| w.code == codes::mesh::FAMILY_RULE).collect();
     let [warning] = &found[..] else { panic!("{found:?}") };
     assert_eq!(warning.place, format!("/Coat/model.subsetFamily:{family}:familyType"));
     assert_eq!(mesh.subsets.len(), sets);

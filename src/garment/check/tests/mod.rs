@@ -5,7 +5,7 @@ mod faults;
 mod repeats;
 
 use super::*;
-use crate::error::Code;
+use crate::error::{WarningCode, codes};
 use crate::garment::{
     Corner, Crease, Elements, Family, FamilyType, Interpolation, Meaning, Primvar, PrimvarInput, Scheme,
     SubdivisionRules, Subset, SubsetInput, Values,
@@ -179,9 +179,9 @@ fn bare(faces: &[&[i32]]) -> Garment {
 }
 
 /// The warnings for `faces`, those for unused points aside.
-fn warnings_for(faces: &[&[i32]]) -> Vec<(Code, Elements)> {
+fn warnings_for(faces: &[&[i32]]) -> Vec<(WarningCode, Elements)> {
     let (_, warnings) = check_garment(bare(faces)).expect("odd, but no error");
-    let others = warnings.iter().filter(|w| w.code != Code::UnusedPoints);
+    let others = warnings.iter().filter(|w| w.code != codes::mesh::UNUSED_POINTS);
     others.map(|w| (w.code, w.elements.clone())).collect()
 }
 
@@ -194,20 +194,20 @@ fn oddities_are_counted_and_located() {
     let edge = || Elements::Edges(vec![[1, 4].map(VertexId::new)]);
     let face = || Elements::Faces(vec![FaceId::new(1)]);
     let three_on_an_edge = warnings_for(&[&[0, 1, 4, 3], &[1, 2, 5, 4], &[1, 4, 9]]);
-    let expected = [(Code::NonManifoldEdges, edge()), (Code::BowTieVertices, vertices([1, 4]))];
+    let expected = [(codes::mesh::NON_MANIFOLD_EDGES, edge()), (codes::mesh::BOW_TIE_VERTICES, vertices([1, 4]))];
     assert_eq!(three_on_an_edge, expected);
 
     let bow_tie = warnings_for(&[&[0, 1, 4, 3], &[4, 5, 8, 7]]);
-    assert_eq!(bow_tie, [(Code::BowTieVertices, vertices([4]))]);
+    assert_eq!(bow_tie, [(codes::mesh::BOW_TIE_VERTICES, vertices([4]))]);
 
     let flipped = warnings_for(&[&[0, 1, 4, 3], &[1, 4, 5, 2]]);
-    assert_eq!(flipped, [(Code::WindingDisagreements, edge())]);
+    assert_eq!(flipped, [(codes::mesh::WINDING_DISAGREEMENTS, edge())]);
 
     let collinear = warnings_for(&[&[0, 1, 4, 3], &[3, 4, 5]]);
-    assert_eq!(collinear, [(Code::DegenerateFaces, face())]);
+    assert_eq!(collinear, [(codes::mesh::DEGENERATE_FACES, face())]);
 
     let twice = warnings_for(&[&[0, 1, 4, 3], &[4, 1, 0, 3]]);
-    assert_eq!(twice, [(Code::DuplicateFaces, face())]);
+    assert_eq!(twice, [(codes::mesh::DUPLICATE_FACES, face())]);
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn closed_fans_and_borders_are_not_bow_ties() {
 fn all_oddities_are_listed_and_the_first_three_are_printed() {
     let (_, warnings) = check_garment(bare(&[&[0, 1, 4]])).expect("unused points are not an error");
     let [warning] = &warnings.iter().collect::<Vec<_>>()[..] else { panic!("{warnings:?}") };
-    assert_eq!((warning.code, &warning.elements), (Code::UnusedPoints, &vertices([2, 3, 5, 6, 7, 8, 9])));
+    assert_eq!((warning.code, &warning.elements), (codes::mesh::UNUSED_POINTS, &vertices([2, 3, 5, 6, 7, 8, 9])));
     let printed = "/Coat/model: 7 points have no face (points 2, 3, 5, …). ";
     assert!(warning.to_string().starts_with(printed), "{warning}");
 }
@@ -230,5 +230,5 @@ fn a_face_far_from_the_origin_has_its_area() {
     let mut input = bare(&[&[0, 1, 4, 3], &[1, 2, 5, 4]]);
     input.points.iter_mut().for_each(|p| *p = *p * 1e-3 + Vec3::splat(1000.0));
     let (_, warnings) = check_garment(input).expect("small faces are not an error");
-    assert!(!warnings.iter().any(|w| w.code == Code::DegenerateFaces), "{warnings:?}");
+    assert!(!warnings.iter().any(|w| w.code == codes::mesh::DEGENERATE_FACES), "{warnings:?}");
 }

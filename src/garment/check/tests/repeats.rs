@@ -1,7 +1,7 @@
 //! Faces that name a point more than once.
 
 use super::{cloth, subset};
-use crate::error::{Code, Warning, Warnings};
+use crate::error::{Warning, Warnings, codes};
 use crate::garment::{Elements, Garment, Interpolation, Mesh, PrimvarInput, Values, check_garment, split_repeats};
 use crate::mesh::FaceId;
 use glam::Vec3;
@@ -38,7 +38,7 @@ fn garment(faces: &[&[i32]]) -> Garment {
 fn split(faces: &[&[i32]]) -> (Mesh, Garment, Warning) {
     let mut input = garment(faces);
     let warning = split_repeats(&mut input).expect("there are repeats");
-    assert_eq!(warning.code, Code::RepeatedPoints);
+    assert_eq!(warning.code, codes::mesh::REPEATED_POINTS);
     let (mesh, _) = check_garment(input.clone()).unwrap_or_else(|e| panic!("{e}"));
     (mesh, input, warning)
 }
@@ -91,7 +91,7 @@ fn faces_of_fewer_than_three_points_are_left_out() {
     assert!(warning.problem.contains("fewer than three points: faces 0, 2"), "{}", warning.problem);
     assert_followed(before, &mesh, &after);
     // Warnings of the mesh name the face of the file, and the other way round.
-    let of_mesh: Warnings = [Warning::new(Code::DegenerateFaces, "", "").at(faces(&[1]))].into_iter().collect();
+    let of_mesh: Warnings = [Warning::new(codes::mesh::DEGENERATE_FACES, "", "").at(faces(&[1]))].into_iter().collect();
     let in_file = after.face_numbers.warnings_in_file(of_mesh.clone());
     assert_eq!(in_file.iter().map(|w| w.elements.clone()).collect::<Vec<_>>(), [faces(&[3])]);
     assert_eq!(after.face_numbers.warnings_in_mesh(in_file), of_mesh);

@@ -1,6 +1,6 @@
 //! Rows of stitches beside seams: at their distance along the surface, around corners, to the end of the cloth.
 
-use crate::error::Code;
+use crate::error::codes;
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{Topology, VertexId};
 use crate::pipeline::mean_edge_length;
@@ -97,7 +97,7 @@ fn rows_keep_their_distance_on_a_sheet() {
             let share = share_at(&[offset], crest.iter().map(|&p| off_line(p, corners)));
             assert!(share > 0.95, "{name}, {offset}: {share} of {}", crest.len());
             assert!(are_quads(&mesh) && all_look_up(&mesh), "{name}, {offset}");
-            assert!(warnings.iter().all(|w| w.code != Code::Intersections), "{name}, {offset}: {warnings:?}");
+            assert!(warnings.iter().all(|w| w.code != codes::tailor::INTERSECTIONS), "{name}, {offset}: {warnings:?}");
             // Both rows run all along the first edges, up to where heights fall.
             for side in [-1.0, 1.0] {
                 let [[x, y], [end, _], ..] = *corners else { panic!("a line") };
@@ -155,7 +155,10 @@ fn several_rows_lie_beside_the_seam() {
 
     // Rows closer than their width share the room.
     let (mesh, warnings) = rendered(&flat(&corners), &options(&["seam.s.rows=3", "seam.s.rowGap=0.2"]));
-    assert!(warnings.iter().any(|w| w.code == Code::NarrowSeam && w.problem.contains("its rows have")), "{warnings:?}");
+    assert!(
+        warnings.iter().any(|w| w.code == codes::tailor::NARROW_SEAM && w.problem.contains("its rows have")),
+        "{warnings:?}"
+    );
     assert!(are_quads(&mesh) && all_look_up(&mesh));
 }
 
@@ -167,7 +170,7 @@ fn rows_follow_a_border_on_the_side_with_cloth() {
         let crest = crest(&mesh);
         let share = share_at(&[offset], crest.iter().map(|&p| off_line(p, &around)));
         assert!(share > 0.95 && crest.len() > 500, "{offset}: {share} of {}", crest.len());
-        assert!(warnings.iter().all(|w| w.code != Code::NarrowSeam), "{offset}: {warnings:?}");
+        assert!(warnings.iter().all(|w| w.code != codes::tailor::NARROW_SEAM), "{offset}: {warnings:?}");
         assert!(are_quads(&mesh) && all_look_up(&mesh));
     }
 }
@@ -183,7 +186,7 @@ fn rows_join_where_they_meet_and_are_left_out_beyond() {
         let left_out = warnings.iter().find(|w| w.problem.contains("a row at its distance"));
         assert_eq!(left_out.is_none(), is_inside, "{offset}: {warnings:?}");
         assert!(left_out.is_none_or(|w| w.elements.len() == 24), "{left_out:?}");
-        assert!(warnings.iter().all(|w| w.code != Code::Intersections), "{offset}: {warnings:?}");
+        assert!(warnings.iter().all(|w| w.code != codes::tailor::INTERSECTIONS), "{offset}: {warnings:?}");
     }
 }
 

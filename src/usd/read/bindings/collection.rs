@@ -1,6 +1,6 @@
 //! Collections of prims (`UsdCollectionAPI`).
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::usd::read::query::{OrUnreadable, prim_at, text_value, with_ancestors};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
@@ -49,12 +49,12 @@ impl Collection {
         read.push(name.to_owned());
         if read.len() > MAX_COLLECTIONS {
             return Err(Error::usd(format!("{} holds more than {MAX_COLLECTIONS} collections", read[0]))
-                .code(ErrorCode::WrongPrim)
+                .code(codes::mesh::WRONG_PRIM)
                 .remedy("name the prims themselves"));
         }
         let missing = || {
             Error::usd(format!("{name}: there is no such collection, or it includes nothing by path"))
-                .code(ErrorCode::WrongPrim)
+                .code(codes::mesh::WRONG_PRIM)
                 .remedy(
                     "a collection is named as /Suit.collection:props, and has a relationship collection:props:includes",
                 )

@@ -1,6 +1,6 @@
 //! Payloads of `.tailor` files, and options below them, which nothing reads.
 
-use crate::error::{Code, Error, Warning};
+use crate::error::{Error, Warning, codes};
 use crate::usd::read::choose::all_prims;
 use crate::usd::read::origin::{Files, StageOrigin, without_arguments};
 use crate::usd::read::query::{OrUnreadable, prim_at, property_names};
@@ -74,7 +74,7 @@ impl Holder {
         {
             remedy += &format!(", with the schema {schema}:{name}");
         }
-        Warning::new(Code::MisplacedOption, format!("{}.{option}", prim.path()), problem).remedy(remedy)
+        Warning::new(codes::usd::MISPLACED_OPTION, format!("{}.{option}", prim.path()), problem).remedy(remedy)
     }
 }
 

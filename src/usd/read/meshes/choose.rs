@@ -1,7 +1,7 @@
 //! Choosing the meshes that are garments.
 
 use super::exclude::Exclusions;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::usd::names;
 use crate::usd::read::choose::{
     all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of,
@@ -60,14 +60,14 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
         0 => Err(none_is_a_garment(file, &below, &warnings)),
         1..=MAX_MESHES => Ok(Some((found, warnings))),
         count => Err(Error::usd(format!("{} holds {count} meshes, more than {MAX_MESHES}", file.display()))
-            .code(ErrorCode::SeveralMeshes)
+            .code(codes::usd::SEVERAL_MESHES)
             .remedy("name the prim of one garment by --prim, or leave meshes out by --exclude")),
     }
 }
 
 /// The error of a stage none of whose meshes is a garment; `left_out` has the reasons for some.
 fn none_is_a_garment(file: &FilePath, meshes: &[Path], left_out: &Warnings) -> Error {
-    let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(ErrorCode::NoMesh);
+    let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(codes::usd::NO_MESH);
     match left_out.iter().next() {
         Some(first) => fault.remedy(format!(
             "name a prototype of a PointInstancer by --prim, set instanceable = false on the prim above others, or give the \

@@ -1,6 +1,6 @@
 //! Meshes that are left out: by name, path or pattern, or by a collection of the stage (`UsdCollectionAPI`).
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use crate::usd::read::bindings::{COLLECTION, Collection};
 use crate::usd::read::choose::{all_meshes, list};
 use crate::usd::read::query::with_ancestors;
@@ -37,7 +37,7 @@ impl<'a> Exclusions<'a> {
             };
             if !is_used {
                 return Err(Error::usd(format!("--exclude {name} matches no mesh of {}", file.display()))
-                    .code(ErrorCode::WrongPrim)
+                    .code(codes::mesh::WRONG_PRIM)
                     .remedy(list(&meshes)));
             }
         }

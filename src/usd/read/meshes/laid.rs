@@ -3,7 +3,7 @@
 use super::model::sewn;
 use crate::binding::Triangles;
 use crate::cloth::{COVERED, LOOSE_AREA};
-use crate::error::{Code, Error, Warning};
+use crate::error::{Error, Warning, codes};
 use crate::garment::sew::{Seams, border_points, edges};
 use crate::usd::read::source::Source;
 use crate::usd::read::trims::PlacedMesh;
@@ -77,7 +77,7 @@ fn without_loss(joined: Result<Source, Error>, of: [&Source; 2]) -> Result<Sourc
     if let Err(fault) = &joined.recipe {
         return Err(words(fault));
     }
-    let lost = joined.warnings.iter().filter(|warning| warning.code == Code::NotCarried);
+    let lost = joined.warnings.iter().filter(|warning| warning.code == codes::mesh::NOT_CARRIED);
     let known = |warning: &&Warning| !of.iter().any(|source| source.warnings.iter().any(|own| own == *warning));
     let lost: Vec<&str> = lost.filter(known).map(|warning| warning.place.as_str()).collect();
     if lost.is_empty() { Ok(joined) } else { Err(format!("one garment of both would lack {}", lost.join(", "))) }
@@ -91,7 +91,7 @@ fn attaches(garment: &Source) -> bool {
 
 fn apart(piece: &Source, cloth: &Source, why: &str) -> Warning {
     let problem = format!("it lies on {} and is not attached to it: {why}", cloth.prim());
-    Warning::new(Code::Unattached, piece.prim(), problem)
+    Warning::new(codes::usd::UNATTACHED, piece.prim(), problem)
         .remedy("Give both the same primvars and options; or set cloth.attach to false on it")
 }
 

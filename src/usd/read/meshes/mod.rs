@@ -14,7 +14,7 @@ use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
 use super::trims;
-use crate::error::{Code, Error, ErrorCode, Warning};
+use crate::error::{Error, Warning, codes};
 use crate::garment::sew::{Seams, Unsewn, find_seams};
 use crate::garment::{Garment, check_garment};
 use crate::mesh::{Elements, VertexId};
@@ -64,7 +64,7 @@ impl Source {
                 let names: Vec<&str> = garments.iter().chain(&last).map(Self::whole).collect();
                 let file = garments.first().map(|garment| garment.file().display().to_string()).unwrap_or_default();
                 Err(Error::usd(format!("{file} has {} garments, and one is wanted", names.len()))
-                    .code(ErrorCode::SeveralMeshes)
+                    .code(codes::usd::SEVERAL_MESHES)
                     .remedy(format!("name one by --prim, or leave others out by --exclude: {}", names.join(", "))))
             }
         }
@@ -131,7 +131,7 @@ fn unsewn_borders(unsewn: &Unsewn, sources: &[Source], tolerance: f64) -> Warnin
         unsewn.edges[1].len()
     );
     let edges = unsewn.edges[0].iter().map(|edge| edge.map(VertexId::new)).collect();
-    Warning::new(Code::UnsewnBorders, format!("{a}, {b}"), problem)
+    Warning::new(codes::mesh::UNSEWN_BORDERS, format!("{a}, {b}"), problem)
         .at(Elements::Edges(edges))
         .remedy("Give both borders the same points, or raise --sew-tolerance")
 }

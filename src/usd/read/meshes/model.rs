@@ -1,7 +1,7 @@
 //! Panels that are sewn together as one model.
 
 use super::recipe;
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Elements, Interpolation, Units};
 use crate::usd::names;
@@ -144,7 +144,7 @@ fn to_space(panels: &[&Source], parent: &Path, space: DMat4) -> Result<Vec<DMat4
         let is_usable = matrix.is_finite() && matrix.determinant() != 0.0;
         is_usable.then_some(matrix).ok_or_else(|| {
             let fault = Error::usd(format!("{} has a transform to {parent} that flattens it", panel.prim()));
-            fault.code(ErrorCode::PanelsDiffer).remedy("give it scales that are not 0")
+            fault.code(codes::mesh::PANELS_DIFFER).remedy("give it scales that are not 0")
         })
     };
     panels.iter().map(of_panel).collect()
@@ -171,7 +171,7 @@ fn check_skinning(panels: &[&Source], to_space: &[DMat4]) -> Result<(), Error> {
         let text =
             format!("{}, {}: they are skinned and sewn together, and {what}", panels[0].prim(), panels[i].prim());
         let remedy = "bind both to the same joints, with their transforms in their points";
-        return Err(Error::usd(text).code(ErrorCode::PanelsDiffer).remedy(remedy));
+        return Err(Error::usd(text).code(codes::mesh::PANELS_DIFFER).remedy(remedy));
     }
     Ok(())
 }
@@ -233,7 +233,7 @@ fn moves(record: &Record, panel: &str) -> Option<Warning> {
 
 /// Faces that a panel names twice as words, as the faces of the garment have other numbers.
 fn with_faces_in_words(warning: Warning) -> Warning {
-    if warning.code != Code::RepeatedPoints {
+    if warning.code != codes::mesh::REPEATED_POINTS {
         return warning;
     }
     let problem = format!("{}: {}", warning.elements.in_words(usize::MAX), warning.problem);
@@ -255,7 +255,7 @@ fn subset_records(panels: &[&Source]) -> Result<BTreeMap<String, SubsetRecord>, 
                     known.0.prim(),
                     panel.prim()
                 );
-                let fault = Error::usd(text).code(ErrorCode::PanelsDiffer);
+                let fault = Error::usd(text).code(codes::mesh::PANELS_DIFFER);
                 return Err(fault.remedy("rename one of the two, or bind one material"));
             }
         }

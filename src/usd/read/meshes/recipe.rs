@@ -1,6 +1,6 @@
 //! The options of several panels as those of one garment.
 
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use serde_json::{Map, Value};
 
 /// Options that list sets of elements: panels share the sets, and so the lists.
@@ -29,7 +29,7 @@ pub fn merge(panels: &[(&str, Map<String, Value>)]) -> Result<Map<String, Value>
                         "they are parts of one garment, and {attribute} is {earlier} on one and {now} on the other"
                     ),
                 )
-                .code(ErrorCode::PanelsDiffer)
+                .code(codes::mesh::PANELS_DIFFER)
                 .remedy("give both the same value, or author it on one of them alone")
             })?;
         }

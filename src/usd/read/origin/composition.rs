@@ -2,7 +2,7 @@
 //! references leads to a prim with two references, and so on, they double with each level.
 
 use super::resolver::{ARGUMENTS, Files, package_file};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, Layer, Value, default_prim_path};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -44,7 +44,7 @@ pub fn check_arcs(file: &str) -> Result<(), Error> {
 
 fn too_many(file: &str, path: &sdf::Path) -> Error {
     Error::usd(format!("{path} in {file} has more than {MOST_ARCS} references, with those of the prims that it refers to"))
-        .code(ErrorCode::CompositionFailed)
+        .code(codes::usd::COMPOSITION_FAILED)
         .remedy("prims with several references to prims that have several themselves multiply: refer to each prim once, or flatten the file that they lead to")
 }
 

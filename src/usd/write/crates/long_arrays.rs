@@ -6,7 +6,7 @@
 //! (the layout of the file).
 
 use super::encode;
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, codes};
 use openusd::sdf::{AbstractData, Data, Value};
 use std::collections::BTreeSet;
 use std::mem;
@@ -27,7 +27,7 @@ pub fn encode_plainly(data: &mut Data) -> Result<Vec<u8>, Error> {
     if arrays.is_empty() {
         return Ok(bytes);
     }
-    put_back(bytes, &arrays, salt).ok_or_else(|| Error::usd(UNEXPECTED).code(ErrorCode::WriteFailed))
+    put_back(bytes, &arrays, salt).ok_or_else(|| Error::usd(UNEXPECTED).code(codes::usd::WRITE_FAILED))
 }
 
 /// Replaces the long arrays of `data` by stand-ins `[salt, index, 0, 0]`; returns the arrays and the salt, which no other

@@ -4,7 +4,7 @@ mod long_arrays;
 
 pub use long_arrays::encode_plainly;
 
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, codes};
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
@@ -38,8 +38,9 @@ pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), Form
 /// A value that a crate cannot hold.
 pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    write_crate(data, &mut out)
-        .map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")).code(ErrorCode::WriteFailed))?;
+    write_crate(data, &mut out).map_err(|e| {
+        Error::usd(format!("the layer cannot be written as a crate: {e}")).code(codes::usd::WRITE_FAILED)
+    })?;
     Ok(out.into_inner())
 }
 

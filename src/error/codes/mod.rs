@@ -1,0 +1,135 @@
+//! Codes: the kinds of errors and warnings, which stay when their words change. `docs/diagnostics.md` has a section for each.
+//!
+//! Each part of the program declares its own.
+
+pub mod command;
+pub mod costume;
+pub mod mesh;
+pub mod preview;
+pub mod tailor;
+pub mod usd;
+
+use super::ErrorKind;
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// The kind of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct ErrorCode(&'static str);
+
+impl ErrorCode {
+    /// The code as messages and reports have it, such as `no-mesh`.
+    pub const fn name(self) -> &'static str {
+        self.0
+    }
+
+    /// The code of faults that have none of their own.
+    pub(super) fn of_kind(kind: ErrorKind) -> Self {
+        match kind {
+            ErrorKind::Usd => mesh::DAMAGED_FILE,
+            ErrorKind::Mesh => mesh::EMPTY_MESH,
+            ErrorKind::Recipe => mesh::OPTION_VALUE,
+            ErrorKind::Usage => mesh::COMMAND_LINE,
+            ErrorKind::Cancelled => mesh::CANCELLED,
+            ErrorKind::Internal => mesh::INTERNAL,
+        }
+    }
+}
+
+impl fmt::Display for ErrorCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.0)
+    }
+}
+
+impl Serialize for ErrorCode {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.0)
+    }
+}
+
+/// How bad a warning is, the worst first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+#[non_exhaustive]
+pub enum Severity {
+    /// The garment or its recipe has a fault, or a product lacks what it should have.
+    Fault,
+    /// A product is less good at some places than was asked.
+    Quality,
+    /// The products are as they should be; it is good to know how.
+    Note,
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
+}
+
+/// The kind of a warning, for programs that read reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct WarningCode {
+    name: &'static str,
+    severity: Severity,
+}
+
+impl WarningCode {
+    /// The code as messages and reports have it, such as `flipped-uvs`.
+    pub const fn name(self) -> &'static str {
+        self.name
+    }
+
+    /// How bad warnings of this code are.
+    pub const fn severity(self) -> Severity {
+        self.severity
+    }
+}
+
+impl fmt::Display for WarningCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl Serialize for WarningCode {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name)
+    }
+}
+
+/// The codes of one part of the program.
+#[derive(Clone, Copy, Debug)]
+pub struct Codes {
+    /// Those of errors.
+    pub errors: &'static [ErrorCode],
+    /// Those of warnings.
+    pub warnings: &'static [WarningCode],
+}
+
+/// Declares the codes of a part: a constant for each, and `ALL`.
+macro_rules! declare {
+    (
+        errors { $($(#[doc = $of_error:literal])+ $Error:ident = $error:literal;)* }
+        faults { $($(#[doc = $of_fault:literal])+ $Fault:ident = $fault:literal;)* }
+        quality { $($(#[doc = $of_quality:literal])+ $Quality:ident = $quality:literal;)* }
+        notes { $($(#[doc = $of_note:literal])+ $Note:ident = $note:literal;)* }
+    ) => {
+        use super::{Codes, ErrorCode};
+        #[allow(unused_imports, reason = "a part may have no warnings")]
+        use super::{Severity, WarningCode};
+
+        $($(#[doc = $of_error])+ pub const $Error: ErrorCode = ErrorCode($error);)*
+        $($(#[doc = $of_fault])+ pub const $Fault: WarningCode = WarningCode { name: $fault, severity: Severity::Fault };)*
+        $($(#[doc = $of_quality])+ pub const $Quality: WarningCode = WarningCode { name: $quality, severity: Severity::Quality };)*
+        $($(#[doc = $of_note])+ pub const $Note: WarningCode = WarningCode { name: $note, severity: Severity::Note };)*
+
+        /// All of them.
+        pub const ALL: Codes = Codes { errors: &[$($Error),*], warnings: &[$($Fault,)* $($Quality,)* $($Note),*] };
+    };
+}
+use declare;
+
+/// The codes of the whole program, by part.
+pub const PARTS: [Codes; 6] = [mesh::ALL, tailor::ALL, costume::ALL, usd::ALL, preview::ALL, command::ALL];
