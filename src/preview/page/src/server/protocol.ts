@@ -171,65 +171,6 @@ export type DrawnValues = {
 /** A set of mesh elements of one kind. */
 export type Elements = { "faces": Array<number> } | { "edges": Array<[number, number]> } | { "points": Array<number> };
 
-/** The kind of a fault, which stays when its words change. */
-export type ErrorCode =
-  | "command-line"
-  | "no-input"
-  | "preview-server"
-  | "unreadable-file"
-  | "damaged-file"
-  | "not-supported"
-  | "composition-failed"
-  | "output-exists"
-  | "output-is-input"
-  | "output-path"
-  | "write-failed"
-  | "not-written-back"
-  | "stale-output"
-  | "strict-warning"
-  | "name-taken"
-  | "no-mesh"
-  | "several-meshes"
-  | "wrong-prim"
-  | "panels-differ"
-  | "inside-instance"
-  | "no-default-value"
-  | "attribute-type"
-  | "unknown-token"
-  | "empty-mesh"
-  | "mesh-size"
-  | "face-corners"
-  | "loop-faces"
-  | "index-out-of-range"
-  | "not-finite"
-  | "value-count"
-  | "duplicate-primvar"
-  | "crease-data"
-  | "element-list"
-  | "subset-family"
-  | "recipe-file"
-  | "recipe-attribute"
-  | "unknown-option"
-  | "option-value"
-  | "unknown-subset"
-  | "set-expression"
-  | "unknown-primvar"
-  | "unknown-operator"
-  | "loop-operators"
-  | "no-border"
-  | "too-large"
-  | "unusable-panels"
-  | "bodies-differ"
-  | "pin-target"
-  | "not-bound"
-  | "stale-binding"
-  | "cache-file"
-  | "cache-mismatch"
-  | "cache-frames"
-  | "no-thread"
-  | "cancelled"
-  | "internal";
-
 /** Mechanical properties of a fabric. Warp is the direction of the panel's grain, weft lies across it. */
 export type Fabric = {
   /** Thickness. [m] */
@@ -253,7 +194,7 @@ export type Fabric = {
 /** One fault, in words for the person at the terminal. */
 export type Fault = {
   /** Its kind, for programs and for `usdtailor explain`. */
-  code: ErrorCode,
+  code: string,
   /** The prim, attribute, option or file; empty where the text names it. */
   place: string,
   /** The problem. */
@@ -750,7 +691,7 @@ export type View = {
 /** A problem that does not stop the work. */
 export type Warning = {
   /** Its kind. */
-  code: WarningCode,
+  code: string,
   /** How bad it is: that of its code. */
   severity: Severity,
   /** The prim, set, option or file to select. */
@@ -766,54 +707,3 @@ export type Warning = {
   /** How much of what was asked is left at the worst place, or how far off it is. [share] */
   amount?: number,
 };
-
-/** The kind of a warning, for programs that read reports. */
-export type WarningCode =
-  | "non-manifold-edges"
-  | "bow-tie-vertices"
-  | "winding-disagreements"
-  | "unused-points"
-  | "degenerate-faces"
-  | "repeated-points"
-  | "duplicate-faces"
-  | "not-carried"
-  | "far-from-origin"
-  | "polygonal-cage"
-  | "face-limit"
-  | "flipped-uvs"
-  | "curves-cut"
-  | "area-changed"
-  | "sets-blurred"
-  | "frozen-variant"
-  | "trim-off-cloth"
-  | "narrow-seam"
-  | "shallow-seam"
-  | "reduced-height"
-  | "shared-seam-edges"
-  | "thin-layer"
-  | "bare-faces"
-  | "set-renamed"
-  | "family-rule"
-  | "intersections"
-  | "repair-cut-short"
-  | "operators-left-out"
-  | "root-mesh"
-  | "empty-set"
-  | "nothing-pinned"
-  | "no-uv-set"
-  | "small-shells"
-  | "uv-confetti"
-  | "uv-flips"
-  | "no-pattern"
-  | "no-panels"
-  | "mean-fabric"
-  | "composition"
-  | "ignored-option"
-  | "misplaced-option"
-  | "schema-without-sets"
-  | "unattached"
-  | "unsewn-borders"
-  | "off-body"
-  | "fit-left-behind"
-  | "fit-crosses"
-  | "threads-capped";
