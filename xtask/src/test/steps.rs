@@ -92,7 +92,7 @@ const MAIN: Step = Step {
 };
 const BESIDE: Step = Step { lane: Lane::Beside, ..MAIN };
 
-/// The step that needs a folder, and is no part of a run without one.
+/// The step that needs a folder. A run without one leaves it out.
 pub const GARMENTS: &str = "garments";
 
 /// All steps. In a full run each lane takes its steps in this order; quick steps that fail often come first.
