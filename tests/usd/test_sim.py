@@ -303,16 +303,18 @@ def test_subset_indices_are_elements_of_the_mesh(product):
 
 def test_face_subsets_keep_their_share_of_the_area(product, baseline):
     before, after = baseline.face_areas(), product.sim.face_areas
-    blurred = {name for warning in product.report["warnings"] if warning["code"] == "sets-blurred" for name in warning["names"]}
+    told = {code: [w for w in product.report["warnings"] if w["code"] == code] for code in ("sets-blurred", "area-changed")}
+    blurred = {name for warning in told["sets-blurred"] for name in warning["names"]}
+    changed = {name: warning["amount"] for warning in told["area-changed"] for name in warning["names"]}
     for name, subset in product.source.subsets.items():
         if subset.element_type != "face":
             continue
         assert name in product.sim.subsets, f"{name} is gone; warnings: {product.warnings}"
         expected = before[subset.indices].sum() / before.sum()
         actual = after[product.sim.subsets[name].indices].sum() / after.sum()
-        # A set no wider than a few triangles cannot be met better than by whole triangles. Where half of it is lost, a warning says so.
+        # A set no wider than a few triangles cannot be met better than by whole triangles, nor thin forms by long edges: warnings say so.
         grain = 3 * after.max() / after.sum()
-        most = grain if name in blurred else min(grain, 0.5 * expected)
+        most = max(grain if name in blurred else min(grain, 0.5 * expected), 1.05 * changed.get(name, 0) * expected)
         assert abs(actual - expected) <= max(SET_AREA * expected, most), f"{name}: {actual:.4f}, was {expected:.4f}"
 
 
