@@ -81,7 +81,7 @@ pub fn prepare(run: &Run<'_>) -> Outcome {
 
 fn test_with(run: &Run<'_>, python: &Path, extension: &Path) -> Outcome {
     let mut command = run.project.command(python);
-    command.args(["-m", "pytest", "tests/blender", "-q", "-rs", "-p", "no:cacheprovider"]).args(run.extra);
+    command.args(["-m", "pytest", "tests/blender", "-q", "-rfEs", "-p", "no:cacheprovider"]).args(run.extra);
     command.env("USDTAILOR_EXTENSION", extension).envs(run.variables());
     process::run(&mut command)
 }

@@ -32,9 +32,9 @@ pub fn test_garments(run: &Run<'_>, folder: &Path) -> Outcome {
 fn command(run: &Run<'_>) -> Outcome<Command> {
     let project = run.project;
     let mut command = project.command(venv::ensure(project)?);
-    // -rs lists skipped tests with their reasons.
+    // -rfEs lists failed tests, errors, and skipped tests with their reasons.
     command
-        .args(["-m", "pytest", "tests/usd", "-q", "-rs", "-n", "auto", "--maxprocesses", "8", "--dist", "loadfile"])
+        .args(["-m", "pytest", "tests/usd", "-q", "-rfEs", "-n", "auto", "--maxprocesses", "8", "--dist", "loadfile"])
         .args(run.extra)
         .envs(run.variables());
     command.env("USDTAILOR", Profile::Tested.program(project));
@@ -59,7 +59,7 @@ pub fn newton(run: &Run<'_>) -> Outcome {
         }
     };
     let mut command = run.project.command(python);
-    command.args(["-m", "pytest", "tests/newton", "-q", "-rs"]).args(run.extra);
+    command.args(["-m", "pytest", "tests/newton", "-q", "-rfEs"]).args(run.extra);
     command.env("USDTAILOR", Profile::Tested.program(run.project));
     process::run(&mut command)
 }

@@ -94,7 +94,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
     };
     let python = venv::with_package(project, &wheel)?;
     let mut command = project.command(&python);
-    command.args(["-m", "pytest", "tests/wheel", "tests/usd/test_readme.py", "-q", "-rs", "-p", "no:cacheprovider"]);
+    command.args(["-m", "pytest", "tests/wheel", "tests/usd/test_readme.py", "-q", "-rfEs", "-p", "no:cacheprovider"]);
     command.env("USDTAILOR_WHEEL", &wheel).env("USDTAILOR_PLUGINS", plugin::tested(project)?);
     command.env("USDTAILOR", python.with_file_name("usdtailor")).args(run.extra);
     process::run(&mut command)

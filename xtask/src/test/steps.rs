@@ -219,6 +219,16 @@ pub const STEPS: [Step; 20] = [
         run: blender::test,
         ..BESIDE
     },
+    // It leaves a processor to the other lane. The steps after it use all processors.
+    Step {
+        name: "browser",
+        about: "the preview in Chromium, with the program",
+        needs: &["page", "build"],
+        after: &["tools"],
+        check: browser::check,
+        run: browser::test,
+        ..MAIN
+    },
     Step { name: "rust", about: "the Rust tests", needs: &["page", "build"], run: cargo::test, ..MAIN },
     Step {
         name: "python",
@@ -227,15 +237,6 @@ pub const STEPS: [Step; 20] = [
         // Both write the headers of the plugin.
         after: &["wheel"],
         run: python::test,
-        ..MAIN
-    },
-    Step {
-        name: "browser",
-        about: "the preview in Chromium, with the program",
-        needs: &["page", "build"],
-        after: &["tools"],
-        check: browser::check,
-        run: browser::test,
         ..MAIN
     },
     Step {
