@@ -54,9 +54,10 @@ def garment_files():
 def pytest_collection_modifyitems(config, items):
     """With the garments of a folder, the tests that take one of them are all that run."""
     if GIVEN:
-        takes_one = [hasattr(item, "callspec") and any(value in GARMENTS for value in item.callspec.params.values()) for item in items]
-        config.hook.pytest_deselected(items=[item for item, takes in zip(items, takes_one, strict=True) if not takes])
-        items[:] = [item for item, takes in zip(items, takes_one, strict=True) if takes]
+        values = lambda item: item.callspec.params.values() if hasattr(item, "callspec") else ()  # noqa: E731
+        takes_one = lambda item: any(isinstance(value, Path) and value in GARMENTS for value in values(item))  # noqa: E731
+        config.hook.pytest_deselected(items=[item for item in items if not takes_one(item)])
+        items[:] = [item for item in items if takes_one(item)]
 
 
 @dataclass

@@ -26,6 +26,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
 
 fn tests(run: &Run<'_>, folder: &Path) -> Command {
     let mut command = cargo::cargo(run.project, "test");
-    command.args(["--package", "tailor", "--no-fail-fast"]).env("TAILOR_GARMENTS", folder).envs(run.variables());
+    // The same packages as all tests have, so that nothing is compiled anew.
+    command.args(["--workspace", "--no-fail-fast"]).env("TAILOR_GARMENTS", folder).envs(run.variables());
     command
 }

@@ -155,7 +155,7 @@ impl Session<'_> {
     fn run_step(&self, step: &'static Step) -> Outcome<End> {
         let command = self.command;
         let mut program: Program = self.project.command(process::this_program()?);
-        program.args(["test", "--alone", step.name]).args(command.options.words());
+        program.args(["test", "--alone", step.name]).args(command.options.words(step.name));
         // Extra arguments go to the named step only, not to its prerequisites.
         if !command.extra.is_empty() && command.steps.iter().any(|name| name == step.name) {
             program.arg("--").args(&command.extra);

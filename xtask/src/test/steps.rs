@@ -36,13 +36,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// The words of a command line that says the same.
-    pub fn words(&self) -> Vec<OsString> {
+    /// The words of a command line that says the same to a step.
+    pub fn words(&self, step: &str) -> Vec<OsString> {
         let mut words: Vec<OsString> = Vec::new();
         words.extend(self.all.then(|| "--all".into()));
         words.extend(self.install.then(|| "--install".into()));
-        for (flag, folder) in [("--folder", &self.folder), ("--bodies", &self.bodies)] {
-            words.extend(folder.iter().flat_map(|folder| [flag.into(), folder.into()]));
+        if step == GARMENTS {
+            for (flag, folder) in [("--folder", &self.folder), ("--bodies", &self.bodies)] {
+                words.extend(folder.iter().flat_map(|folder| [flag.into(), folder.into()]));
+            }
         }
         words
     }
