@@ -79,18 +79,18 @@ class Product:
     def prim(self, name):
         return self.stage.GetPrimAtPath(self.model_path.ReplaceName(name))
 
-    @property
+    @cached_property
     def source(self):
         """The mesh of the input. Doubled points, which a build sews, are one."""
-        if "source" not in self.__dict__:
-            source = read_mesh(find_model(self.source_stage))
-            self.__dict__["source"] = source.sewn() if self.has_doubled_points else source
-        return self.__dict__["source"]
+        return self.authored.sewn() if self.has_doubled_points else self.authored
 
     @cached_property
+    def authored(self):
+        return read_mesh(find_model(self.source_stage))
+
+    @property
     def has_doubled_points(self):
-        source = read_mesh(find_model(self.source_stage))
-        return (source.doubled != np.arange(len(source.points))).any()
+        return (self.authored.doubled != np.arange(len(self.authored.points))).any()
 
     def mesh(self, name):
         if name not in self.__dict__:

@@ -10,23 +10,23 @@ use crate::test::Run;
 
 /// The tests that run on garments have this in their names.
 const TESTS: &str = "garments";
-/// The tables of time and quality, and of crossings.
-const TABLES: [&str; 1] = ["testing::peers::quality::table"];
+/// The table of time and quality. The tests print one of crossings.
+const TABLE: &str = "testing::peers::quality::table";
 
 /// Runs the tests in Rust and in Python, and prints the tables, whichever of them fails.
 pub fn test(run: &Run<'_>) -> Outcome {
     let folder = run.options.folder.as_deref().ok_or_else(|| Failure::new("no folder of garments"))?;
     let mut rust = tests(run, folder);
     rust.args(["--", "--show-output", TESTS]);
-    let mut tables = tests(run, folder);
-    tables.args(["--lib", "--", "--ignored", "--nocapture", "--exact"]).args(TABLES);
-    let ended = [process::run(&mut rust), process::run(&mut tables), python::test_garments(run, folder)];
+    let mut table = tests(run, folder);
+    table.args(["--lib", "--", "--ignored", "--nocapture", "--exact", TABLE]);
+    let ended = [process::run_all(&mut [rust, table]), python::test_garments(run, folder)];
     ended.into_iter().collect()
 }
 
 fn tests(run: &Run<'_>, folder: &Path) -> Command {
     let mut command = cargo::cargo(run.project, "test");
-    // The same packages as all tests have, so that nothing is compiled anew.
+    // Cargo recompiles the engine for any other selection of packages.
     command.args(["--workspace", "--no-fail-fast"]).env("TAILOR_GARMENTS", folder).envs(run.variables());
     command
 }

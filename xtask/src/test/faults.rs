@@ -1,4 +1,4 @@
-//! What failed, found in the output of a step.
+//! Finds the failed tests in the output of a step.
 
 /// Most lines that the table shows of one step.
 const MOST: usize = 12;

@@ -16,7 +16,7 @@ use super::{Command, table};
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
-/// What became of a step.
+/// The outcome of a step.
 #[derive(Debug, PartialEq, Eq)]
 pub enum End {
     Passed,
@@ -33,10 +33,14 @@ pub struct Done {
     pub end: End,
 }
 
-/// The steps that have not begun and those that have ended.
+/// The steps by how far they are.
+#[derive(Default)]
 struct Board {
     waiting: Vec<&'static Step>,
+    running: Vec<&'static Step>,
     done: Vec<Done>,
+    /// The number of steps that have begun.
+    begun: usize,
 }
 
 impl Board {
@@ -55,12 +59,30 @@ impl Board {
         }
     }
 
-    /// Takes the first step of a lane whose predecessors have ended.
-    fn take(&mut self, lane: Lane, selected: &[&'static Step]) -> Option<&'static Step> {
-        let has_ended = |name: &&str| self.end_of(name).is_some() || selected.iter().all(|step| step.name != *name);
-        let is_ready = |step: &Step| step.needs.iter().chain(step.after).all(&has_ended);
+    /// Drops the prerequisites of steps that cannot run.
+    fn drop_unneeded(&mut self, command: &Command) {
+        let needed: Vec<&str> =
+            self.waiting.iter().filter(|s| command.wants(s)).flat_map(|s| s.needs).copied().collect();
+        self.waiting.retain(|step| command.wants(step) || needed.contains(&step.name));
+    }
+
+    /// Begins the first step of a lane with no predecessor ahead of it, and returns it with its number.
+    fn take(&mut self, lane: Lane) -> Option<(&'static Step, usize)> {
+        let is_ahead = |name: &&str| self.waiting.iter().chain(&self.running).any(|step| step.name == *name);
+        let is_ready = |step: &Step| !step.needs.iter().chain(step.after).any(is_ahead);
         let at = self.waiting.iter().position(|step| step.lane == lane && is_ready(step))?;
-        Some(self.waiting.remove(at))
+        let step = self.waiting.remove(at);
+        self.running.push(step);
+        self.begun += 1;
+        Some((step, self.begun))
+    }
+
+    /// Notes the outcome of a step, and ends those that need it if it failed.
+    fn end(&mut self, name: &'static str, time: Duration, end: End) {
+        self.waiting.retain(|step| step.name != name);
+        self.running.retain(|step| step.name != name);
+        self.done.push(Done { name, time, end });
+        self.drop_hopeless();
     }
 }
 
@@ -84,7 +106,7 @@ pub fn run(project: &Project, command: &Command) -> Outcome {
     let start = Instant::now();
     let times = Times::read(project)?;
     table::announce(project, &selected, &times);
-    let board = Board { waiting: selected.clone(), done: Vec::new() };
+    let board = Board { waiting: selected.clone(), ..Board::default() };
     let session = Session { project, command, selected, times, board: Mutex::new(board), changed: Condvar::new() };
     session.check_machine();
     thread::scope(|scope| {
@@ -110,9 +132,7 @@ impl Session<'_> {
     }
 
     fn end(&self, name: &'static str, time: Duration, end: End) {
-        let mut board = self.board();
-        board.done.push(Done { name, time, end });
-        board.drop_hopeless();
+        self.board().end(name, time, end);
         self.changed.notify_all();
     }
 
@@ -122,18 +142,18 @@ impl Session<'_> {
             let run = Run { project: self.project, extra: &[], options: &self.command.options };
             if let Err(failure) = (step.check)(&run) {
                 eprintln!("\n== {}: FAILED before it began\n{failure}", step.name);
-                self.board().waiting.retain(|waiting| waiting.name != step.name);
                 self.end(step.name, Duration::ZERO, End::Failed(vec![failure.message().to_owned()]));
+                self.board().drop_unneeded(self.command);
             }
         }
     }
 
     /// The next step of a lane; none once all of them have begun or cannot.
-    fn next(&self, lane: Lane) -> Option<&'static Step> {
+    fn next(&self, lane: Lane) -> Option<(&'static Step, usize)> {
         let mut board = self.board();
         while board.waiting.iter().any(|step| step.lane == lane) {
-            if let Some(step) = board.take(lane, &self.selected) {
-                return Some(step);
+            if let Some(begun) = board.take(lane) {
+                return Some(begun);
             }
             board = self.changed.wait(board).unwrap_or_else(PoisonError::into_inner);
         }
@@ -141,10 +161,11 @@ impl Session<'_> {
     }
 
     fn run_lane(&self, lane: Lane) {
-        while let Some(step) = self.next(lane) {
+        while let Some((step, number)) = self.next(lane) {
             let start = Instant::now();
             // A fault of this program ends its step alone, as others wait for that.
-            let end = self.run_step(step).unwrap_or_else(|failure| End::Failed(vec![failure.message().to_owned()]));
+            let end =
+                self.run_step(step, number).unwrap_or_else(|failure| End::Failed(vec![failure.message().to_owned()]));
             let (name, time) = (step.name, start.elapsed());
             eprintln!("== {name}: {} in {:.1} s", table::verdict(&end), time.as_secs_f64());
             self.end(name, time, end);
@@ -152,15 +173,14 @@ impl Session<'_> {
     }
 
     /// Runs a step as a program of its own.
-    fn run_step(&self, step: &'static Step) -> Outcome<End> {
+    fn run_step(&self, step: &'static Step, number: usize) -> Outcome<End> {
         let command = self.command;
         let mut program: Program = self.project.command(process::this_program()?);
-        program.args(["test", "--alone", step.name]).args(command.options.words(step.name));
+        program.args(["test", "--alone", step.name]).args(command.options.words(step));
         // Extra arguments go to the named step only, not to its prerequisites.
         if !command.extra.is_empty() && command.steps.iter().any(|name| name == step.name) {
             program.arg("--").args(&command.extra);
         }
-        let number = self.selected.iter().position(|other| other.name == step.name).unwrap_or(0) + 1;
         let last = self.times.told(step.name);
         let heading = format!("== step {number} of {}, {}: {}{last}", self.selected.len(), step.name, step.about);
         let (outcome, output) = if step.lane == Lane::Main {
@@ -180,22 +200,23 @@ mod tests {
     use super::*;
     use crate::test::steps::STEPS;
 
-    /// Ends a step of a board, and all that need it.
-    fn end(board: &mut Board, name: &'static str, end: End) {
-        board.waiting.retain(|step| step.name != name);
-        board.done.push(Done { name, time: Duration::ZERO, end });
-        board.drop_hopeless();
+    /// A board on which some steps have passed.
+    fn board(steps: impl Iterator<Item = &'static Step>, passed: &[&'static str]) -> Board {
+        let mut board = Board { waiting: steps.collect(), ..Board::default() };
+        passed.iter().for_each(|name| board.end(name, Duration::ZERO, End::Passed));
+        board
+    }
+
+    fn next(board: &mut Board, lane: Lane) -> Option<&'static str> {
+        board.take(lane).map(|(step, _)| step.name)
     }
 
     #[test]
     fn a_failed_step_ends_those_that_need_it_and_no_others() {
-        let all: Vec<&'static Step> = STEPS.iter().collect();
-        let mut board = Board { waiting: all.clone(), done: Vec::new() };
-        for step in ["page", "venv", "tools", "fmt", "clippy", "docs", "plugin"] {
-            end(&mut board, step, if step == "clippy" { End::Failed(Vec::new()) } else { End::Passed });
-        }
-        assert_eq!(board.take(Lane::Main, &all).map(|step| step.name), Some("build"), "clippy is needed by none");
-        end(&mut board, "build", End::Failed(Vec::new()));
+        let mut board = board(STEPS.iter(), &["page", "venv", "tools", "fmt", "docs", "plugin"]);
+        board.end("clippy", Duration::ZERO, End::Failed(Vec::new()));
+        assert_eq!(next(&mut board, Lane::Main), Some("build"), "clippy is needed by none");
+        board.end("build", Duration::ZERO, End::Failed(Vec::new()));
         for step in &STEPS {
             let is_dropped = board.end_of(step.name) == Some(&End::NotRun("build"));
             assert_eq!(is_dropped, step.needs.contains(&"build"), "{}", step.name);
@@ -205,21 +226,30 @@ mod tests {
 
     #[test]
     fn a_lane_takes_what_is_ready_and_does_not_wait_in_order() {
-        let all: Vec<&'static Step> = STEPS.iter().collect();
-        let mut board = Board { waiting: all.clone(), done: Vec::new() };
-        for step in ["page", "fmt", "clippy", "docs", "build", "prose"] {
-            end(&mut board, step, End::Passed);
-        }
-        // The plugin waits for the environment of Python.
-        assert_eq!(board.take(Lane::Main, &all).map(|step| step.name), Some("rust"));
-        assert_eq!(board.take(Lane::Beside, &all).map(|step| step.name), Some("venv"));
-        assert_eq!(board.take(Lane::Beside, &all).map(|step| step.name), Some("tools"));
-        assert_eq!(board.take(Lane::Beside, &all).map(|step| step.name), Some("speed"));
+        let passed = ["page", "fmt", "clippy", "docs", "build", "prose"];
+        let mut whole = board(STEPS.iter(), &passed);
+        // The plugin waits for the environment of Python, and the browser for the tools.
+        assert_eq!(next(&mut whole, Lane::Main), Some("rust"));
+        assert_eq!(
+            ["venv", "tools", "speed"].map(|_| next(&mut whole, Lane::Beside)),
+            ["venv", "tools", "speed"].map(Some)
+        );
+        assert_eq!(whole.begun, 4);
+        whole.end("tools", Duration::ZERO, End::Passed);
+        assert_eq!(next(&mut whole, Lane::Main), Some("browser"), "a step that runs is ahead until it ends");
         // A step that is not part of the run is not waited for.
-        let few: Vec<&'static Step> = all.iter().copied().filter(|step| step.name != "tools").collect();
-        let mut board = Board { waiting: few.clone(), done: Vec::new() };
-        assert_eq!(board.take(Lane::Beside, &few).map(|step| step.name), Some("venv"));
-        assert_eq!(board.take(Lane::Beside, &few).map(|step| step.name), Some("prose"));
-        assert_eq!(board.take(Lane::Beside, &few).map(|step| step.name), Some("site"));
+        let mut few = board(STEPS.iter().filter(|step| step.name != "tools"), &passed);
+        assert_eq!(["venv", "site"].map(|_| next(&mut few, Lane::Beside)), ["venv", "site"].map(Some));
+    }
+
+    #[test]
+    fn prerequisites_of_a_step_that_cannot_run_are_dropped() {
+        let words = ["browser", "clippy"].map(str::to_owned);
+        let command = Command::parse(&words).unwrap();
+        let mut board = board(command.selected().into_iter(), &[]);
+        board.end("browser", Duration::ZERO, End::Failed(Vec::new()));
+        board.drop_unneeded(&command);
+        assert_eq!(board.waiting.iter().map(|step| step.name).collect::<Vec<_>>(), ["clippy"]);
+        assert_eq!(next(&mut board, Lane::Main), Some("clippy"), "the page is dropped, and no longer ahead");
     }
 }

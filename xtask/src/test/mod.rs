@@ -11,12 +11,9 @@ use std::path::PathBuf;
 
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
-use steps::{GARMENTS, STEPS, Step};
+use steps::{STEPS, Step};
 
 pub use steps::{Options, Run};
-
-/// Steps that take arguments after `--`.
-const TAKE_ARGUMENTS: [&str; 6] = ["rust", "python", "package", "newton", "blender", "browser"];
 
 /// The help text of the steps.
 pub fn help() -> String {
@@ -69,28 +66,35 @@ impl Command {
         if let Some(unknown) = self.steps.iter().find(|name| STEPS.iter().all(|step| step.name != name.as_str())) {
             return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
         }
-        let takes_extra = matches!(&self.steps[..], [name] if TAKE_ARGUMENTS.contains(&name.as_str()));
+        let named = || STEPS.iter().filter(|step| self.names(step));
+        let takes_extra = self.steps.len() == 1 && named().all(|step| step.takes_arguments);
         if !self.extra.is_empty() && !takes_extra {
-            return Err(Failure::new(format!("arguments after -- need one step of {}", TAKE_ARGUMENTS.join(", "))));
+            let all: Vec<&str> = STEPS.iter().filter(|step| step.takes_arguments).map(|step| step.name).collect();
+            return Err(Failure::new(format!("arguments after -- need one step of {}", all.join(", "))));
         }
-        let (options, names_it) = (&self.options, self.steps.iter().any(|name| name == GARMENTS));
-        if options.folder.is_none() && (names_it || options.bodies.is_some()) {
+        let takes_folder = named().any(|step| step.takes_folder);
+        if self.options.folder.is_none() && (takes_folder || self.options.bodies.is_some()) {
             return Err(Failure::new("no folder of garments").hint("add --folder FOLDER, with stages of garments"));
         }
-        if options.folder.is_some() && !names_it && !self.steps.is_empty() {
-            return Err(Failure::new(format!("only the step `{GARMENTS}` takes --folder")));
+        if self.options.folder.is_some() && !takes_folder && !self.steps.is_empty() {
+            return Err(Failure::new("no named step takes --folder").hint("cargo xtask test garments --folder FOLDER"));
         }
         Ok(())
     }
 
-    /// The named steps and, unless they run alone, their prerequisites; all steps if none is named. The garments of a folder are
-    /// a step where a folder is named.
+    fn names(&self, step: &Step) -> bool {
+        self.steps.iter().any(|name| name == step.name)
+    }
+
+    /// Whether a step runs for its own sake. A command line without names means all steps that need no folder, or have one.
+    fn wants(&self, step: &Step) -> bool {
+        self.names(step) || self.steps.is_empty() && (!step.takes_folder || self.options.folder.is_some())
+    }
+
+    /// The wanted steps and, unless they run alone, their prerequisites.
     fn selected(&self) -> Vec<&'static Step> {
-        let is_had = |step: &Step| step.name != GARMENTS || self.options.folder.is_some();
-        let is_named =
-            |step: &Step| is_had(step) && (self.steps.is_empty() || self.steps.iter().any(|n| n == step.name));
-        let needed = |name: &str| !self.alone && STEPS.iter().any(|step| is_named(step) && step.needs.contains(&name));
-        STEPS.iter().filter(|step| is_named(step) || needed(step.name)).collect()
+        let needed = |name: &str| !self.alone && STEPS.iter().any(|s| self.wants(s) && s.needs.contains(&name));
+        STEPS.iter().filter(|step| self.wants(step) || needed(step.name)).collect()
     }
 }
 
@@ -139,11 +143,11 @@ mod tests {
     #[test]
     fn garments_of_a_folder_are_a_step_where_a_folder_is_named() {
         let here = env!("CARGO_MANIFEST_DIR");
-        assert_eq!(names(&[GARMENTS, "--folder", here]), ["page", "venv", "build", "plugin", GARMENTS]);
+        assert_eq!(names(&["garments", "--folder", here]), ["page", "venv", "build", "plugin", "garments"]);
         assert_eq!(names(&["--folder", here]).len(), STEPS.len());
-        assert!(!names(&[]).contains(&GARMENTS));
-        assert!(parse(&[GARMENTS]).is_err() && parse(&["rust", "--folder", here]).is_err());
-        assert!(parse(&[GARMENTS, "--folder", "no such folder"]).is_err());
+        assert!(!names(&[]).contains(&"garments"));
+        assert!(parse(&["garments"]).is_err() && parse(&["rust", "--folder", here]).is_err());
+        assert!(parse(&["garments", "--folder", "no such folder"]).is_err());
     }
 
     #[test]
@@ -151,12 +155,12 @@ mod tests {
         let here = env!("CARGO_MANIFEST_DIR");
         let command = parse(&["--all", "--install", "--folder", here, "--bodies", here]).unwrap();
         for step in command.selected() {
-            let words = command.options.words(step.name);
+            let words = command.options.words(step);
             let mut again: Vec<String> = words.iter().map(|word| word.to_string_lossy().into()).collect();
             again.push(step.name.to_owned());
             let options = Command::parse(&again).unwrap().options;
             assert!(options.all && options.install, "{}", step.name);
-            assert!(step.name != GARMENTS || options == command.options);
+            assert!(!step.takes_folder || options == command.options);
         }
     }
 

@@ -22,7 +22,7 @@ impl Run<'_> {
     }
 }
 
-/// What a command line says of all its steps.
+/// The options of a command line, for all its steps.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Whether the long tests run too.
@@ -36,12 +36,12 @@ pub struct Options {
 }
 
 impl Options {
-    /// The words of a command line that says the same to a step.
-    pub fn words(&self, step: &str) -> Vec<OsString> {
+    /// The flags of a command line with these options, for one step.
+    pub fn words(&self, step: &Step) -> Vec<OsString> {
         let mut words: Vec<OsString> = Vec::new();
         words.extend(self.all.then(|| "--all".into()));
         words.extend(self.install.then(|| "--install".into()));
-        if step == GARMENTS {
+        if step.takes_folder {
             for (flag, folder) in [("--folder", &self.folder), ("--bodies", &self.bodies)] {
                 words.extend(folder.iter().flat_map(|folder| [flag.into(), folder.into()]));
             }
@@ -59,7 +59,7 @@ pub enum Lane {
     Beside,
 }
 
-/// What a step gets from a network where it is not there yet.
+/// A download that a step needs once.
 pub struct Download {
     pub what: &'static str,
     pub megabytes: u32,
@@ -76,6 +76,10 @@ pub struct Step {
     /// Steps that must end before this one if they run at all.
     pub after: &'static [&'static str],
     pub downloads: &'static [Download],
+    /// Whether arguments after `--` go to its tests.
+    pub takes_arguments: bool,
+    /// Whether it runs on a folder of garments. Without one, it is no step of a run.
+    pub takes_folder: bool,
     /// Looks for what the machine must have, before any step begins.
     pub check: fn(&Run<'_>) -> Outcome,
     pub run: fn(&Run<'_>) -> Outcome,
@@ -89,13 +93,12 @@ const MAIN: Step = Step {
     needs: &[],
     after: &[],
     downloads: &[],
+    takes_arguments: false,
+    takes_folder: false,
     check: |_| Ok(()),
     run: |_| Ok(()),
 };
 const BESIDE: Step = Step { lane: Lane::Beside, ..MAIN };
-
-/// The step that needs a folder. A run without one leaves it out.
-pub const GARMENTS: &str = "garments";
 
 /// All steps. In a full run each lane takes its steps in this order; quick steps that fail often come first.
 pub const STEPS: [Step; 20] = [
@@ -187,6 +190,7 @@ pub const STEPS: [Step; 20] = [
         about: "cloth in the solver Newton, in an environment of its own",
         needs: &["page", "build"],
         after: &["tools"],
+        takes_arguments: true,
         run: python::newton,
         ..BESIDE
     },
@@ -211,6 +215,7 @@ pub const STEPS: [Step; 20] = [
         name: "package",
         about: "the Python package in environments of its own, and the README's tutorial with it",
         needs: &["page", "venv", "plugin", "wheel"],
+        takes_arguments: true,
         run: package::test,
         ..BESIDE
     },
@@ -218,6 +223,7 @@ pub const STEPS: [Step; 20] = [
         name: "blender",
         about: "the extension in Blender, in environments of its own",
         needs: &["page", "venv", "wheel"],
+        takes_arguments: true,
         run: blender::test,
         ..BESIDE
     },
@@ -228,23 +234,33 @@ pub const STEPS: [Step; 20] = [
         needs: &["page", "build"],
         after: &["tools"],
         check: browser::check,
+        takes_arguments: true,
         run: browser::test,
         ..MAIN
     },
-    Step { name: "rust", about: "the Rust tests", needs: &["page", "build"], run: cargo::test, ..MAIN },
+    Step {
+        name: "rust",
+        about: "the Rust tests",
+        needs: &["page", "build"],
+        takes_arguments: true,
+        run: cargo::test,
+        ..MAIN
+    },
     Step {
         name: "python",
         about: "pytest tests/usd, with the program and the plugins",
         needs: &["page", "build", "venv", "plugin"],
         // Both write the headers of the plugin.
         after: &["wheel"],
+        takes_arguments: true,
         run: python::test,
         ..MAIN
     },
     Step {
-        name: GARMENTS,
+        name: "garments",
         about: "the tests that any garment passes, on those of --folder; quality and crossings",
         needs: &["page", "build", "venv", "plugin"],
+        takes_folder: true,
         run: garments::test,
         ..MAIN
     },

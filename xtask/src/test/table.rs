@@ -1,4 +1,4 @@
-//! What a run says before its first step and after its last one.
+//! The announcement before the first step of a run, and the table after the last one.
 
 use std::time::Duration;
 
