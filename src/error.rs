@@ -369,13 +369,6 @@ mod tests {
         ];
         let warnings: Warnings = codes.map(|code| Warning::new(code, "", "")).into_iter().collect();
         let order: Vec<WarningCode> = warnings.worst_first().iter().map(|warning| warning.code).collect();
-        let expected = [
-            codes::mesh::NOT_CARRIED,
-            codes::tailor::EMPTY_SET,
-            codes::tailor::NARROW_SEAM,
-            codes::tailor::CURVES_CUT,
-            codes::command::THREADS_CAPPED,
-        ];
-        assert_eq!(order, expected);
+        assert_eq!(order, [2, 4, 1, 3, 0].map(|i| codes[i]));
     }
 }

@@ -14,7 +14,8 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// The kind of a fault.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
 pub struct ErrorCode(&'static str);
 
 impl ErrorCode {
@@ -39,12 +40,6 @@ impl ErrorCode {
 impl fmt::Display for ErrorCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.0)
-    }
-}
-
-impl Serialize for ErrorCode {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0)
     }
 }
 
@@ -102,9 +97,9 @@ impl Serialize for WarningCode {
 /// The codes of one part of the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Codes {
-    /// Those of errors.
+    /// Codes of errors.
     pub errors: &'static [ErrorCode],
-    /// Those of warnings.
+    /// Codes of warnings.
     pub warnings: &'static [WarningCode],
 }
 

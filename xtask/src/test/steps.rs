@@ -78,7 +78,7 @@ pub struct Step {
     pub downloads: &'static [Download],
     /// Whether arguments after `--` go to its tests.
     pub takes_arguments: bool,
-    /// Whether it runs on a folder of garments. Without one, it is no step of a run.
+    /// Whether it runs on a folder of garments. A run without one leaves it out.
     pub takes_folder: bool,
     /// Looks for what the machine must have, before any step begins.
     pub check: fn(&Run<'_>) -> Outcome,
