@@ -5,8 +5,8 @@ use std::path::Path;
 use std::{env, fs};
 
 fn main() {
-    println!("cargo::rerun-if-changed=src/preview/page/dist");
-    let from = Path::new("src/preview/page/dist");
+    println!("cargo::rerun-if-changed=page/dist");
+    let from = Path::new("page/dist");
     let to = Path::new(&env::var_os("OUT_DIR").expect("cargo sets OUT_DIR")).join("page");
     fs::create_dir_all(&to).expect("the output folder can be made");
     for name in ["index.html", "page.js", "page.css"] {

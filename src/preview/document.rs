@@ -15,7 +15,7 @@ const HISTORY_BYTES: usize = 64 << 20;
 /// A state that is shown in place of the edits, for comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum Before {
     /// Before the last step.
     Step,

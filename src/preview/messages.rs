@@ -20,16 +20,16 @@ pub use selection::SelectionMessage;
 pub use shot::ShotMessage;
 
 use super::document::{Before, Options};
-use crate::error::Fault;
-use crate::mesh::Elements;
-use crate::recipe::ListedOperator;
-use crate::sets::Change;
 use serde::{Deserialize, Serialize};
+use tailor::sets::Change;
+use tailor_costume::recipe::ListedOperator;
+use tailor_mesh::connectivity::Elements;
+use tailor_mesh::error::Fault;
 
 /// The meshes: the garment's input cage, the two products, and the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum Role {
     /// The garment's input cage.
     Model,
@@ -44,7 +44,7 @@ pub enum Role {
 /// The elements of a set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum SetKind {
     /// Faces.
     Face,
@@ -66,7 +66,7 @@ impl From<&Elements> for SetKind {
 
 /// The meshes and attributes that a page draws. The server sends nothing else.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct View {
     /// The meshes.
     pub roles: Vec<Role>,
@@ -81,7 +81,7 @@ pub struct View {
 /// A message of the page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", tag = "type")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum PageMessage {
     /// Replaces the edits.
     Edit {
@@ -90,7 +90,7 @@ pub enum PageMessage {
         /// Edits of one gesture, such as one drag, are one step of undo.
         gesture: String,
         /// The new edits.
-        #[cfg_attr(test, ts(type = "Options"))]
+        #[cfg_attr(feature = "typescript", ts(type = "Options"))]
         edits: Options,
     },
     /// Answers the offer of kept edits.
@@ -168,12 +168,12 @@ pub enum PageMessage {
     /// Saves a preset beside the garment, or takes it out.
     Preset {
         /// The kind of operator that it is for.
-        #[cfg_attr(test, ts(type = "KindName"))]
+        #[cfg_attr(feature = "typescript", ts(type = "KindName"))]
         kind: String,
         /// Its name. A preset of this name is replaced.
         name: String,
         /// Its values; null takes it out.
-        #[cfg_attr(test, ts(type = "Fields | null"))]
+        #[cfg_attr(feature = "typescript", ts(type = "Fields | null"))]
         values: Option<Options>,
     },
 }
@@ -181,7 +181,7 @@ pub enum PageMessage {
 /// A text message to the page.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase", tag = "type")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum ServerMessage<'a> {
     /// The garment.
     Garment(GarmentMessage<'a>),
@@ -221,20 +221,20 @@ impl ServerMessage<'_> {
 /// The shared document of all pages. Sent after each change.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct StateMessage<'a> {
     /// Counts the changes; meshes carry the revision that they were made from.
     pub revision: u64,
     /// Serial of the last edit of this page that the document includes.
     pub serial: u64,
     /// Options of the garment and of `--recipe`, below the edits.
-    #[cfg_attr(test, ts(type = "Options"))]
+    #[cfg_attr(feature = "typescript", ts(type = "Options"))]
     pub upstream: &'a Options,
     /// Options that were changed here.
-    #[cfg_attr(test, ts(type = "Options"))]
+    #[cfg_attr(feature = "typescript", ts(type = "Options"))]
     pub edits: &'a Options,
     /// The options that hold: the edits over those of upstream.
-    #[cfg_attr(test, ts(type = "Options"))]
+    #[cfg_attr(feature = "typescript", ts(type = "Options"))]
     pub merged: &'a Options,
     /// The operators in the order in which they run.
     pub stack: Vec<ListedOperator>,
@@ -257,7 +257,7 @@ pub struct StateMessage<'a> {
 /// Edits of an earlier preview that were not saved.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct KeptEdits {
     /// The last change. \[milliseconds since 1970\]
     pub time: u64,
@@ -268,7 +268,7 @@ pub struct KeptEdits {
 /// The place that faults come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum Origin {
     /// The stage on disk.
     File,
@@ -286,7 +286,7 @@ pub enum Origin {
 
 /// Faults of the current document or of the file on disk. The last good meshes stay.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FaultsMessage<'a> {
     /// `file`: the stage on disk cannot be read; `presets`: nor can the presets beside it; `recipe`: an option is wrong; others: the build of that part.
     pub origin: Origin,
@@ -296,7 +296,7 @@ pub struct FaultsMessage<'a> {
 
 /// The place of the garment and the body on the way of the fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct FitMessage {
     /// The share of the way, from 0 to 1.
     pub share: f64,
@@ -308,7 +308,7 @@ pub struct FitMessage {
 
 /// Work that has begun or ended.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ProgressMessage<'a> {
     /// The product.
     pub role: Role,
@@ -319,7 +319,7 @@ pub struct ProgressMessage<'a> {
 /// The outcome of `plan` or `save`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum SaveStatus {
     /// Nothing was asked to be written.
     Planned,
@@ -331,7 +331,7 @@ pub enum SaveStatus {
 
 /// The answer to `plan` and `save`.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SaveMessage {
     /// The file.
     pub path: String,

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use crate::error::{Error, ErrorKind, codes};
+use crate::codes;
+use tailor_mesh::error::{Error, ErrorKind};
 
 /// A file of the page.
 pub struct File {
@@ -50,6 +51,6 @@ pub fn check() -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::new(ErrorKind::Usage, "preview", "this program was built without the page")
-        .code(codes::preview::PREVIEW_SERVER)
+        .code(codes::PREVIEW_SERVER)
         .remedy("run `cargo xtask page`, and build the program again; `cargo usdtailor preview` does both"))
 }

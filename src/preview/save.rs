@@ -9,17 +9,17 @@ use super::document::Options;
 use super::hub::Hub;
 use super::messages::{SaveMessage, SaveStatus};
 use super::stage::Stage;
-use crate::error::{Error, ErrorKind, codes, plain};
-use crate::files::{self, folder_of};
-use crate::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
-use crate::session::Input;
-use crate::usd::{
-    EarlierRecipe, OptionValue, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside, write_recipe,
-};
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor_costume::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
+use tailor_mesh::error::{Error, ErrorKind, plain};
+use tailor_mesh::files::{self, folder_of};
+use tailor_usd::session::Input;
+use tailor_usd::{
+    EarlierRecipe, OptionValue, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside, write_recipe,
+};
 
 /// The content of a save.
 struct Content {
@@ -78,7 +78,7 @@ impl Content {
             return Ok(());
         }
         let text = "a layer has the options of single meshes, and panels are sewn together here";
-        let fault = Error::new(ErrorKind::Usage, file.display(), text).code(codes::usd::OUTPUT_PATH);
+        let fault = Error::new(ErrorKind::Usage, file.display(), text).code(tailor_usd::codes::OUTPUT_PATH);
         Err(fault.remedy("save a .tailor file"))
     }
 
@@ -108,7 +108,8 @@ impl Content {
 
     /// The text of a `.tailor` file.
     fn recipe_file(&self, file: &Path) -> Result<String, Error> {
-        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text).code(codes::usd::OUTPUT_PATH);
+        let fault =
+            |text: &str| Error::new(ErrorKind::Usage, file.display(), text).code(tailor_usd::codes::OUTPUT_PATH);
         if !self.read.variants.is_empty() {
             return Err(fault("a .tailor file holds no variants, and variants were selected here")
                 .remedy("save a USD layer, which holds them"));
@@ -136,7 +137,7 @@ impl Content {
         let text = self.recipe_file(file)?;
         let fault = |e: std::io::Error| {
             Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e)))
-                .code(codes::usd::WRITE_FAILED)
+                .code(tailor_usd::codes::WRITE_FAILED)
                 .caused_by(e)
         };
         let target = files::target(file).map_err(fault)?;
@@ -147,7 +148,7 @@ impl Content {
         temporary.persist(&target, overwrite).map_err(|e| match e.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Error::new(ErrorKind::Usage, file.display(), "the file exists already")
-                    .code(codes::usd::OUTPUT_EXISTS)
+                    .code(tailor_usd::codes::OUTPUT_EXISTS)
                     .remedy("choose overwrite, or another name")
             }
             _ => fault(e),
@@ -161,7 +162,7 @@ impl Content {
         let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open_one()?;
         let fault = |text: &str| {
             Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written"))
-                .code(codes::usd::NOT_WRITTEN_BACK)
+                .code(tailor_usd::codes::NOT_WRITTEN_BACK)
                 .remedy("save to a new file")
         };
         if opened.mesh != self.stage.mesh {

@@ -2,8 +2,8 @@
 
 use super::hub::Snapshot;
 use super::messages::SelectionMessage;
-use crate::recipe::Recipe;
-use crate::sets::{Change, SetEvaluator};
+use tailor::sets::{Change, SetEvaluator};
+use tailor_costume::recipe::Recipe;
 
 /// A selection after a change, in the UV set of the recipe that is shown.
 pub fn select(now: &Snapshot, selection: &str, change: Change, set: &str) -> SelectionMessage {

@@ -7,7 +7,7 @@ mod visitors;
 
 use super::hub::Hub;
 use super::{page, socket};
-use crate::error::{Error, ErrorKind, codes};
+use crate::codes;
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{ConnectInfo, Path, Request, State};
@@ -19,6 +19,7 @@ use std::io;
 use std::net::Ipv4Addr;
 use std::sync::Arc;
 use std::time::Duration;
+use tailor_mesh::error::{Error, ErrorKind};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 use tokio::task::block_in_place;
@@ -76,7 +77,7 @@ pub fn run(hub: &Arc<Hub>, port: u16, ready: impl FnOnce(&str)) -> Result<(), Er
     run_to_end(runtime, async {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await.map_err(|e| {
             Error::new(ErrorKind::Usage, format!("--port {port}"), format!("cannot be opened: {e}"))
-                .code(codes::preview::PREVIEW_SERVER)
+                .code(codes::PREVIEW_SERVER)
                 .remedy("choose another port, or 0 for any that is free")
                 .caused_by(e)
         })?;

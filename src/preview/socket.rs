@@ -9,11 +9,11 @@ use super::messages::{
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
-use crate::error::Fault;
-use crate::usd::Selection;
 use axum::extract::ws::{self, WebSocket};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor_mesh::error::Fault;
+use tailor_usd::Selection;
 use tokio::task::block_in_place;
 
 /// Serves a page until it goes.

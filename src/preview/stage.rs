@@ -6,21 +6,21 @@ use super::document::{Options, changed};
 use super::messages::{
     FitMessage, GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet,
 };
-use crate::cloth::{FABRICS, Fabric};
-use crate::error::{Error, Warning, codes, counted};
-use crate::fit::faces_through;
-use crate::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
-use crate::mesh::FaceId;
-use crate::pipeline::Builder;
-use crate::recipe::{Layers, Recipe, table};
-use crate::session::{FitWay, Input, OpenGarment, is_usd};
-use crate::sets::checksum;
-use crate::usd::{ReadOptions, Source, body_of, decimal};
 use glam::Vec3;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
+use tailor::sets::checksum;
+use tailor_costume::cloth::{FABRICS, Fabric};
+use tailor_costume::fit::faces_through;
+use tailor_costume::pipeline::Builder;
+use tailor_costume::recipe::{Layers, Recipe, table};
+use tailor_mesh::connectivity::FaceId;
+use tailor_mesh::error::{Error, Warning, counted};
+use tailor_mesh::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
+use tailor_usd::session::{FitWay, Input, OpenGarment, is_usd};
+use tailor_usd::{ReadOptions, Source, body_of, decimal};
 
 use images::Images;
 
@@ -163,7 +163,7 @@ fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error>
         return Ok(None);
     }
     let count = counted(faces.len(), "face crosses the body", "faces cross the body");
-    let warning = Warning::new(codes::costume::FIT_CROSSES, &checks.garment().prim, count);
+    let warning = Warning::new(tailor_costume::codes::FIT_CROSSES, &checks.garment().prim, count);
     let faces = checks.in_file(Elements::Faces(faces));
     Ok(Some(warning.at(faces).remedy("Move them out of it, or hide the skin below them")))
 }

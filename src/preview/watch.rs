@@ -2,7 +2,6 @@
 
 use super::hub::Hub;
 use super::save::presets;
-use crate::error::Error;
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -10,6 +9,7 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
+use tailor_mesh::error::Error;
 
 /// Programs write a file in several steps. It is read when nothing has changed for this long.
 const QUIET: Duration = Duration::from_millis(80);

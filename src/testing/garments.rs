@@ -26,7 +26,7 @@ pub fn named(name: &str) -> PathBuf {
 }
 
 fn of_project(folder: &str) -> Vec<PathBuf> {
-    let all = stages(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder));
+    let all = stages(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder));
     assert!(all.len() >= 3, "`{folder}` has {} garments", all.len());
     all
 }

@@ -1,7 +1,7 @@
 //! Grids, tubes and any faces as garments, made in code, with an attribute of each kind.
 
-use crate::garment::{Family, FamilyType, Garment, Interpolation, Meaning, PrimvarInput, SubsetInput, Values};
 use glam::Vec3;
+use tailor_mesh::garment::{Family, FamilyType, Garment, Interpolation, Meaning, PrimvarInput, SubsetInput, Values};
 
 /// A mesh of the given faces.
 pub fn mesh(points: impl IntoIterator<Item = [f32; 3]>, faces: &[&[i32]]) -> Garment {

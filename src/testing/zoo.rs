@@ -1,8 +1,8 @@
 //! Tiny garments, one trouble each, made in code.
 
 use super::sheets::{grid, grid_faces, mesh, tube, with_edges, with_uvs};
-use crate::garment::{BoundaryInterpolation, Garment, Orientation, Scheme, Values};
 use glam::Vec3;
+use tailor_mesh::garment::{BoundaryInterpolation, Garment, Orientation, Scheme, Values};
 
 /// A whole grid.
 fn sheet(nx: usize, ny: usize) -> Garment {

@@ -1,10 +1,11 @@
 //! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
-use crate::error::{Error, codes};
-use crate::files::folder_of;
+use crate::codes;
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
 use std::path::{Component, Path, PathBuf};
+use tailor_mesh::error::Error;
+use tailor_mesh::files::folder_of;
 
 /// The token for the number of a texture tile.
 const UDIM: &str = "<UDIM>";
@@ -157,7 +158,7 @@ fn numbered(pattern: &Path, before: &str, after: &str, is_number: impl Fn(&str) 
 /// # Errors
 /// A path without a folder that exists, or that is not text.
 pub fn as_named(file: &Path) -> Result<String, Error> {
-    let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(codes::usd::OUTPUT_PATH);
+    let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(codes::OUTPUT_PATH);
     let folder = folder_of(file);
     let real = folder.canonicalize().map_err(|_| fault())?;
     let named = std::path::absolute(folder).map(|folder| normalized(&folder)).map_err(|_| fault())?;

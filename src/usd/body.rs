@@ -2,10 +2,10 @@
 
 use super::read::{Model, Source};
 use super::shot::{StageMetrics, UpAxis};
-use crate::error::{Error, ErrorKind, codes};
-use crate::garment::{Mesh, Orientation, check_garment};
 use glam::{DMat4, DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
+use tailor_mesh::error::{Error, ErrorKind};
+use tailor_mesh::garment::{Mesh, Orientation, check_garment};
 
 /// A body as a mesh in the space of a garment: its transform, its unit and its up axis are taken over.
 ///
@@ -19,7 +19,7 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<Mesh, Error> {
     if !to_garment.is_finite() || turns == 0.0 {
         let flat = if garment.model.transforms.to_world.determinant() == 0.0 { garment } else { body };
         let fault = Error::new(ErrorKind::Usd, flat.prim(), "it has a transform that flattens it");
-        return Err(fault.code(codes::tailor::MESH_SIZE).remedy("give it scales that are not 0"));
+        return Err(fault.code(tailor::codes::MESH_SIZE).remedy("give it scales that are not 0"));
     }
     // Two bodies often have one path.
     mesh.prim = format!("{} {}", body.file().display(), body.prim());

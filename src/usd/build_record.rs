@@ -3,8 +3,6 @@
 use super::assets::{Anchor, as_named, file_path};
 use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
-use crate::error::{Error, plain};
-use crate::files::{self, folder_of};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
 use openusd::usd::Stage;
 use std::borrow::Cow;
@@ -12,6 +10,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
+use tailor_mesh::error::{Error, plain};
+use tailor_mesh::files::{self, folder_of};
 
 /// Key of the record in the dictionary of this program in `customLayerData`.
 const KEY: &str = "build";

@@ -1,9 +1,9 @@
 //! Names that USD and this program give to properties, metadata and tokens, each written once.
 
-use crate::garment::{
+use openusd::sdf::Value;
+use tailor_mesh::garment::{
     BoundaryInterpolation, FaceVaryingInterpolation, FamilyType, Interpolation, Orientation, Scheme, TriangleRule,
 };
-use openusd::sdf::Value;
 
 /// Type of the prims that are read and written.
 pub const MESH: &str = "Mesh";

@@ -1,11 +1,11 @@
 //! Between USD's typed values and the flat arrays that geometry code works with.
 
-use crate::garment::{Meaning, Primvar, Values};
 use bytemuck::{Pod, cast_slice};
 use openusd::gf::f16;
 use openusd::sdf::{AssetPath, Role, TimeCode, Value, ValueKind, ValueTypeName};
 use openusd::tf::Token;
 use std::mem::discriminant;
+use tailor_mesh::garment::{Meaning, Primvar, Values};
 
 /// Defines [`numbers`], [`typed`] and [`is_half`] from one table of USD's array types: those whose vector is kept, those that are cast to
 /// their numbers (with how many a value has), and halves, which are widened. Widening is exact.
@@ -106,7 +106,6 @@ pub fn array(primvar: &Primvar, values: &Values) -> Option<(ValueTypeName, Value
 }
 
 /// USD's name of the type of a primvar.
-#[cfg(any(feature = "cli", feature = "preview"))]
 pub fn type_word(primvar: &Primvar) -> &'static str {
     type_name(primvar).map_or("unknown", ValueTypeName::as_str)
 }
@@ -178,7 +177,7 @@ pub fn decimal(float: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::Mixing;
+    use tailor_mesh::garment::Mixing;
 
     /// A primvar of a type, with numbers that the type holds exactly.
     fn primvar(name: &str, values: Values) -> Primvar {

@@ -2,7 +2,7 @@
 
 use crate::cloth::{CLOTH, cloth_and};
 use crate::folder::Folder;
-use tailor::usd::{ReadOptions, Source};
+use tailor_usd::{ReadOptions, Source};
 
 /// A folder with the cloth in it.
 pub fn with_cloth() -> Folder {

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use tailor::recipe::table;
+use tailor_costume::recipe::table;
 
 /// What stands for the name of an instance in a schema that is applied more than once.
 const INSTANCE: &str = "__INSTANCE_NAME__";

@@ -3,7 +3,7 @@
 use crate::stage::*;
 use glam::Vec3;
 use std::fs;
-use tailor::usd::{ReadOptions, Source};
+use tailor_usd::{ReadOptions, Source};
 
 #[test]
 fn files_that_are_no_stage_are_named() {
@@ -125,8 +125,8 @@ fn values_are_taken_at_the_time_asked_for() {
         read(&Source::open(&file, &ReadOptions { time: Some(2.5), ..ReadOptions::default() }).unwrap()).unwrap();
     assert_eq!(input.points[5], Vec3::new(2.0, 1.0, 1.0));
     let values = |name: &str| input.primvars.iter().find(|p| p.name == name).unwrap().values.clone();
-    assert_eq!(values("w"), tailor::Values::F32(vec![0.25; 6]));
-    assert_eq!(values("t"), tailor::Values::Text(vec!["a".into(), "b".into()]));
+    assert_eq!(values("w"), tailor_mesh::Values::F32(vec![0.25; 6]));
+    assert_eq!(values("t"), tailor_mesh::Values::Text(vec!["a".into(), "b".into()]));
     let nan = ReadOptions { time: Some(f64::NAN), ..ReadOptions::default() };
     assert_fault(Source::open(&file, &nan), &["the time is not a number"]);
 }
@@ -206,7 +206,7 @@ fn variants_inherits_and_payloads_compose() {
     let input = read(&open(&file).unwrap()).unwrap();
     assert_eq!(input.prim, "/A/model");
     assert_eq!(input.primvars.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
-    assert_eq!(input.orientation, tailor::Orientation::LeftHanded);
+    assert_eq!(input.orientation, tailor_mesh::Orientation::LeftHanded);
     assert_eq!(input.hole_indices, [1]);
 }
 

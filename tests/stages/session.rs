@@ -2,10 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use tailor::glam::Vec3;
-use tailor::session::{PayloadRecipe, Session, written};
-use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
-use tailor::{Builder, Error, ErrorKind, FoldOptions, Garment, Products, Progress, Recipe, SeamOptions, SubsetInput};
+use tailor::{FoldOptions, SeamOptions};
+use tailor_costume::{Builder, Products, Progress, Recipe};
+use tailor_mesh::glam::Vec3;
+use tailor_mesh::{Error, ErrorKind, Garment, SubsetInput};
+use tailor_usd::session::{PayloadRecipe, Session, written};
+use tailor_usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 const ROOM: usize = 1 << 30;
 

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tailor::error::Error;
-use tailor::usd::{LodSchema, Product, ProductRole, ReadOptions, SetChoice, Source, WriteOptions, write};
-use tailor::{Corner, Crease, Elements, Garment, Mesh, Primvar, Subset};
-use tailor::{FaceId, Faces, VertexId};
+use tailor_mesh::error::Error;
+use tailor_mesh::{Corner, Crease, Elements, Garment, Mesh, Primvar, Subset};
+use tailor_mesh::{FaceId, Faces, VertexId};
+use tailor_usd::{LodSchema, Product, ProductRole, ReadOptions, SetChoice, Source, WriteOptions, write};
 
 /// The garment of an input that is known to be sound.
 pub fn sound(input: &Garment) -> Mesh {
@@ -25,8 +25,8 @@ pub fn sound(input: &Garment) -> Mesh {
     }
     let corner = |(v, s): (&i32, &f32)| Corner { vertex: vertex(v), sharpness: *s };
     Mesh {
-        units: tailor::Units::default(),
-        space: tailor::StageSpace::default(),
+        units: tailor_mesh::Units::default(),
+        space: tailor_mesh::StageSpace::default(),
         materials: std::collections::BTreeMap::new(),
         uv_scales: std::collections::BTreeMap::default(),
         influences: None,
@@ -59,7 +59,7 @@ pub fn sound(input: &Garment) -> Mesh {
     }
 }
 
-pub fn primvar(p: &tailor::PrimvarInput) -> Primvar {
+pub fn primvar(p: &tailor_mesh::PrimvarInput) -> Primvar {
     Primvar {
         name: p.name.clone(),
         role: p.role.clone(),

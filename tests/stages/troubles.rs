@@ -3,8 +3,9 @@
 use crate::garments::named;
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
-use tailor::usd::{ReadOptions, Source};
-use tailor::{Builder, Garment, Recipe, Values, glam};
+use tailor_costume::{Builder, Recipe};
+use tailor_mesh::{Garment, Values, glam};
+use tailor_usd::{ReadOptions, Source};
 
 /// A cage of quads with UVs.
 struct Cage {

@@ -4,8 +4,8 @@ use crate::garments::garments;
 use crate::stage::*;
 use std::fs;
 use std::path::Path;
-use tailor::Garment;
-use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
+use tailor_mesh::Garment;
+use tailor_usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 /// A coat with attributes of many kinds.
 fn rich() -> String {
@@ -53,7 +53,10 @@ fn products_come_back_as_they_went_in_every_format() {
         assert_eq!(tailor(&source, &at.at(name), &options).unwrap(), [""; 0]);
         same(&read(&open_prim(&at.at(name), "/Coat/render").unwrap()).unwrap(), &input);
         let mut sim = read(&open_prim(&at.at(name), "/Coat/sim").unwrap()).unwrap();
-        assert_eq!(sim.rules, tailor::SubdivisionRules { scheme: tailor::Scheme::None, ..Default::default() });
+        assert_eq!(
+            sim.rules,
+            tailor_mesh::SubdivisionRules { scheme: tailor_mesh::Scheme::None, ..Default::default() }
+        );
         sim.rules = input.rules;
         same(&sim, &input);
         // The model itself is as it was, and the only mesh that counts.
@@ -207,7 +210,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let body = coat("").replace("def Mesh", "def Scope \"render\" {}\n def Mesh");
     let source = open(&at.usda("coat.usda", &body)).unwrap();
     let mesh = sound(&read(&source).unwrap());
-    let attempt = |sim, render| -> Result<(), tailor::Error> {
+    let attempt = |sim, render| -> Result<(), tailor_mesh::Error> {
         let product = |name, role| Product::new(name, role, &mesh);
         let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
         write(&source, &products, &at.at("o.usda"), &FORCE).map(drop)

@@ -8,8 +8,8 @@ use crate::ffi::Field;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::str;
-pub use tailor::recipe::is_attribute as is_field;
-use tailor::recipe::{GroupTable, RecipeFile, table};
+pub use tailor_costume::recipe::is_attribute as is_field;
+use tailor_costume::recipe::{GroupTable, RecipeFile, table};
 
 /// An operator: its kind and its name.
 type Instance = (&'static str, String);

@@ -7,8 +7,8 @@ use std::ptr;
 use std::str;
 use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Mutex, PoisonError};
-use tailor::error::{Error, ErrorKind, Fault, Warnings};
-use tailor::session::{self, Session};
+use tailor_mesh::error::{Error, ErrorKind, Fault, Warnings};
+use tailor_usd::session::{self, Session};
 
 /// Memory for cached results, unless `USDTAILOR_CACHE_MB` sets it. \[megabytes\]
 const CACHE: usize = 512;

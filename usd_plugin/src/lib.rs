@@ -66,7 +66,7 @@ mod ffi {
 #[cfg(feature = "core")]
 #[unsafe(no_mangle)]
 pub extern "C" fn usdtailor_main() -> std::ffi::c_int {
-    tailor::cli::main().into()
+    usdtailor::main().into()
 }
 
 fn read_document(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Box<Document>, String> {

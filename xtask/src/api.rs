@@ -1,5 +1,9 @@
-//! The public API of the crate as text: the declarations that rustdoc draws, in the order of their names.
+//! The public API as text: the declarations that rustdoc draws, in the order of their names.
+//!
+//! It is what the roots of the crates and some of their modules have or re-export. Other modules are public for the crates that
+//! build on them, and may change.
 
+use std::collections::BTreeSet;
 use std::fs;
 
 use crate::process::{Failure, Outcome};
@@ -8,6 +12,23 @@ use crate::text::first_difference;
 
 /// The stored API.
 const FILE: &str = "docs/api.txt";
+
+/// The pages that list the API, below `target/doc`: roots of crates, and modules.
+const LISTS: [&str; 13] = [
+    "tailor_mesh",
+    "tailor_mesh/error",
+    "tailor_mesh/units",
+    "tailor",
+    "tailor/operator",
+    "tailor/report",
+    "tailor/sets",
+    "tailor_costume",
+    "tailor_costume/drive",
+    "tailor_costume/fit",
+    "tailor_costume/recipe",
+    "tailor_usd",
+    "tailor_usd/session",
+];
 
 /// What ends the part of a page that belongs to the item itself. Impls of traits follow it.
 const ENDS: [&str; 4] = [
@@ -37,17 +58,33 @@ pub fn check(project: &Project) -> Outcome {
 
 /// All items with their methods, from the pages in `target/doc`.
 fn listing(project: &Project) -> Outcome<String> {
-    let folder = project.target.join("doc/tailor");
+    let folder = project.target.join("doc");
     let read = |name: &str| {
         let path = folder.join(name);
         fs::read_to_string(&path).map_err(|error| Failure::new(format!("cannot read {}: {error}", path.display())))
     };
-    let index = read("all.html")?;
-    let items = index.split_once("id=\"main-content\"").map_or("", |(_, rest)| rest);
-    let mut pages: Vec<&str> = between(items, "<a href=\"", "\"").into_iter().filter(|p| p.contains(".html")).collect();
-    pages.sort_unstable();
+    let mut pages = BTreeSet::new();
+    for list in LISTS {
+        let index = read(&format!("{list}/index.html"))?;
+        let items = index.split_once("id=\"main-content\"").map_or("", |(_, rest)| rest);
+        pages.extend(between(items, "href=\"", "\"").into_iter().filter_map(|link| page(list, link)));
+    }
     let texts: Outcome<Vec<String>> = pages.iter().map(|page| Ok(item(page, &read(page)?))).collect();
     Ok(texts?.join("\n"))
+}
+
+/// The page of an item that a list links to, such as `../tailor_mesh/garment/struct.Mesh.html`; none for other links.
+fn page(list: &str, link: &str) -> Option<String> {
+    let mut path: Vec<&str> = list.split('/').collect();
+    for part in link.split('/') {
+        match part {
+            ".." => _ = path.pop(),
+            part => path.push(part),
+        }
+    }
+    let kind = path.last()?.strip_suffix(".html")?.split_once('.')?.0;
+    let is_item = ["constant", "enum", "fn", "macro", "struct", "trait", "type"].contains(&kind);
+    (is_item && path[0].starts_with("tailor")).then(|| path.join("/"))
 }
 
 /// One item of a page: its path, its declaration and its own methods, one on each line.
@@ -88,6 +125,15 @@ fn plain(html: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn links_to_items_are_followed() {
+        assert_eq!(page("tailor", "sim/struct.SimOptions.html").as_deref(), Some("tailor/sim/struct.SimOptions.html"));
+        let other = page("tailor", "../tailor_mesh/garment/struct.Mesh.html");
+        assert_eq!(other.as_deref(), Some("tailor_mesh/garment/struct.Mesh.html"));
+        assert_eq!(page("tailor", "sim/index.html"), None);
+        assert_eq!(page("tailor", "https://docs.rs/glam/struct.Vec3.html"), None);
+    }
 
     #[test]
     fn an_item_is_its_declaration_and_its_own_methods() {

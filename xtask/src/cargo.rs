@@ -28,7 +28,7 @@ impl Profile {
     /// Flags of cargo.
     pub fn flags(self) -> &'static [&'static str] {
         match self {
-            Self::Tested => &[],
+            Self::Tested => &TESTED,
             Self::Release => &["--release"],
         }
     }
@@ -46,7 +46,13 @@ impl Profile {
 
 /// The packages of every build. Cargo unifies features over the packages of a command, so building the plugin alone would
 /// recompile most dependencies.
-pub const SHIPPED: [&str; 4] = ["--package", "tailor", "--package", "tailor-usd-plugin"];
+pub const SHIPPED: [&str; 4] = ["--package", "usdtailor", "--package", "tailor-usd-plugin"];
+
+/// The feature that a test of the preview needs. All builds for tests have it, or the engine would be compiled twice.
+const TESTED: [&str; 2] = ["--features", "typescript"];
+
+/// The crates below `src` that users get.
+const PUBLISHED: [&str; 6] = ["tailor-mesh", "tailor", "tailor-costume", "tailor-usd", "tailor-preview", "usdtailor"];
 
 /// A cargo command that ignores the later toolchain declared by the crate `openusd` (see .cargo/config.toml).
 pub fn cargo(project: &Project, subcommand: &str) -> Command {
@@ -65,38 +71,45 @@ pub fn fmt(run: &Run<'_>) -> Outcome {
         .map_err(|failure| failure.hint("run cargo fmt --all"))
 }
 
-/// Clippy on all targets. The library alone, as other programs use it, is compiled but not read again.
+/// Clippy on all targets. The command without its preview is compiled but not read again.
 pub fn clippy(run: &Run<'_>) -> Outcome {
     let mut all = cargo(run.project, "clippy");
-    all.args(["--workspace", "--all-targets", "--", "-D", "warnings"]);
+    all.args(["--workspace", "--all-targets"]).args(TESTED).args(["--", "-D", "warnings"]);
     let mut bare = cargo(run.project, "rustc");
-    bare.args(["--profile", "check", "--lib", "--no-default-features", "--", "-D", "warnings"]);
+    bare.args(["--profile", "check", "--lib", "--no-default-features"]).args(TESTED).args(["--", "-D", "warnings"]);
     process::run_all(&mut [all, bare])
 }
 
 /// Draws the pages of the crates in `target/doc`; with `all` those of the plugin too, for which the library is checked again.
 pub fn docs(project: &Project, all: bool) -> Outcome {
     let mut command = cargo(project, "doc");
-    command.args(["--no-deps", "--package", "tailor", "--package", "xtask"]);
+    command.args(["--no-deps", "--package", "xtask"]).args(TESTED);
+    command.args(PUBLISHED.map(|name| format!("--package={name}")));
     command.args(all.then_some("--package=tailor-usd-plugin"));
     process::run(command.env("RUSTDOCFLAGS", "-D warnings"))
 }
 
 /// Compiles all tests, and the program that they run.
 pub fn compile(run: &Run<'_>) -> Outcome {
-    process::run(cargo(run.project, "test").args(["--workspace", "--no-run"]))
+    process::run(cargo(run.project, "test").args(["--workspace", "--no-run"]).args(TESTED))
 }
 
 /// Runs the Rust tests.
 pub fn test(run: &Run<'_>) -> Outcome {
+    process::run(tests(run).args(run.extra))
+}
+
+/// The command that runs tests. Cargo recompiles the engine for any other selection of packages.
+pub fn tests(run: &Run<'_>) -> Command {
     let mut command = cargo(run.project, "test");
-    process::run(command.args(["--workspace", "--no-fail-fast"]).args(run.extra).envs(run.variables()))
+    command.args(["--workspace", "--no-fail-fast"]).args(TESTED).envs(run.variables());
+    command
 }
 
 /// Writes the declarations of the preview's messages for its page. The test that compares them makes them.
 pub fn protocol(project: &Project) -> Outcome {
     let mut command = cargo(project, "test");
-    command.args(["--package", "tailor", "--lib", "the_page_knows_all_messages"]);
+    command.args(["--package", "tailor-preview", "--lib", "the_page_knows_all_messages"]).args(TESTED);
     process::run(command.env("TAILOR_WRITE_PROTOCOL", "1"))
 }
 

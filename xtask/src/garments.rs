@@ -11,7 +11,7 @@ use crate::test::Run;
 /// The tests that run on garments have this in their names.
 const TESTS: &str = "garments";
 /// The table of time and quality. The tests print one of crossings.
-const TABLE: &str = "testing::peers::quality::table";
+const TABLE: &str = "peers::quality::table";
 
 /// Runs the tests in Rust and in Python, and prints the tables, whichever of them fails.
 pub fn test(run: &Run<'_>) -> Outcome {
@@ -19,14 +19,13 @@ pub fn test(run: &Run<'_>) -> Outcome {
     let mut rust = tests(run, folder);
     rust.args(["--", "--show-output", TESTS]);
     let mut table = tests(run, folder);
-    table.args(["--lib", "--", "--ignored", "--nocapture", "--exact", TABLE]);
+    table.args(["--test", "meshes", "--", "--ignored", "--nocapture", "--exact", TABLE]);
     let ended = [process::run_all(&mut [rust, table]), python::test_garments(run, folder)];
     ended.into_iter().collect()
 }
 
 fn tests(run: &Run<'_>, folder: &Path) -> Command {
-    let mut command = cargo::cargo(run.project, "test");
-    // Cargo recompiles the engine for any other selection of packages.
-    command.args(["--workspace", "--no-fail-fast"]).env("TAILOR_GARMENTS", folder).envs(run.variables());
+    let mut command = cargo::tests(run);
+    command.env("TAILOR_GARMENTS", folder);
     command
 }

@@ -34,7 +34,7 @@
 //!         bit 1+k: f32[2] value of slot k (without it, that of slot 0)
 //! ```
 //!
-//! `xtask/golden/write.h` says the same in more words, `src/testing/golden.rs` is the reader.
+//! `xtask/golden/write.h` says the same in more words, `src/mesh/subdivide/tests/golden.rs` is the reader.
 
 use std::env;
 use std::path::{Path, PathBuf};

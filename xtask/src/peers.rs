@@ -31,9 +31,9 @@ pub fn run(project: &Project) -> Outcome {
     process::run(project.command(&python).arg("tests/bench/lattice.py").arg(&folder).arg(picture))
 }
 
-/// Runs a table of `src/testing/peers` with a folder for `variable`.
+/// Runs a table of `src/testing/tests/peers` with a folder for `variable`.
 fn table(project: &Project, name: &str, variable: &str, folder: &std::path::Path) -> Outcome {
     let mut command = cargo::cargo(project, "test");
-    command.args(["--release", "--package", "tailor", "--lib", &format!("testing::peers::{name}::table")]);
+    command.args(["--release", "--package", "tailor-testing", "--test", "meshes", &format!("peers::{name}::table")]);
     process::run(command.args(["--", "--ignored", "--nocapture"]).env(variable, folder))
 }

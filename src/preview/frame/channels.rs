@@ -1,9 +1,9 @@
 //! Values of the corners, points and faces of a mesh as the page draws them.
 
-use crate::garment::{Interpolation, Mesh, Primvar, Values};
-use crate::mesh::{CornerId, IdVec, VertexId};
-use crate::preview::messages::ValuesOf;
-use crate::report::TriangleQuality;
+use crate::messages::ValuesOf;
+use tailor::report::TriangleQuality;
+use tailor_mesh::connectivity::{CornerId, IdVec, VertexId};
+use tailor_mesh::garment::{Interpolation, Mesh, Primvar, Values};
 
 /// Names of the quality figures that are drawn as values.
 pub const ANGLE: &str = "quality:angle";
@@ -94,7 +94,7 @@ fn undirected([a, b]: [VertexId; 2]) -> [VertexId; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Garment, PrimvarInput, check_garment};
+    use tailor_mesh::garment::{Garment, PrimvarInput, check_garment};
 
     #[test]
     fn edges_between_two_shells_are_seams_and_borders_are_not() {

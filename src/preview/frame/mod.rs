@@ -6,16 +6,16 @@
 mod channels;
 mod smooth;
 
-use crate::error::Error;
-use crate::garment::{Elements, Mesh, Orientation, Primvar};
-use crate::preview::hub::Shown;
-use crate::preview::messages::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Role, Times, View};
-use crate::report::TriangleQuality;
-use crate::subdivide::refined_faces;
+use crate::hub::Shown;
+use crate::messages::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Role, Times, View};
 use channels::{Channel, UV_SEAMS, channel, uv_seams, uv_set, uvs};
 use smooth::Drawn;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use tailor::report::TriangleQuality;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{Elements, Mesh, Orientation, Primvar};
+use tailor_mesh::subdivide::refined_faces;
 
 /// The version of a mesh that one page has.
 pub struct Sent {

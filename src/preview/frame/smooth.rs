@@ -1,11 +1,11 @@
 //! Refinement for display alone.
 
-use crate::error::Error;
-use crate::garment::{Mesh, Scheme};
-use crate::mesh::{CornerId, FaceId, Faces};
-use crate::render::{RenderOptions, RenderSteps, Stack};
-use crate::subdivide::{Level, child_corner};
 use std::sync::Arc;
+use tailor::render::{RenderOptions, RenderSteps, Stack};
+use tailor_mesh::connectivity::{CornerId, FaceId, Faces};
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{Mesh, Scheme};
+use tailor_mesh::subdivide::{Level, child_corner};
 
 /// A mesh as it is drawn.
 #[derive(Clone)]
@@ -87,8 +87,8 @@ fn child_edges(parent: &Level, child: &Level, edges: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Topology;
     use std::collections::BTreeSet;
+    use tailor_mesh::connectivity::Topology;
 
     /// Undirected marked edges.
     fn marked(faces: &Faces, edges: &[u8]) -> BTreeSet<[usize; 2]> {
@@ -105,12 +105,12 @@ mod tests {
         for (scheme, faces) in [
             (
                 Scheme::CatmullClark,
-                Faces::mixed([4, 3], [0, 1, 4, 3, 1, 2, 4].map(crate::mesh::VertexId::new).to_vec()),
+                Faces::mixed([4, 3], [0, 1, 4, 3, 1, 2, 4].map(tailor_mesh::connectivity::VertexId::new).to_vec()),
             ),
-            (Scheme::Loop, Faces::triangles([0, 1, 3, 1, 2, 3].map(crate::mesh::VertexId::new).to_vec())),
+            (Scheme::Loop, Faces::triangles([0, 1, 3, 1, 2, 3].map(tailor_mesh::connectivity::VertexId::new).to_vec())),
         ] {
             let points = (0..5).map(|i| glam::Vec3::new(i as f32, (i * i) as f32, 0.0)).collect::<Vec<_>>();
-            let rules = crate::garment::SubdivisionRules { scheme, ..Default::default() };
+            let rules = tailor_mesh::garment::SubdivisionRules { scheme, ..Default::default() };
             let mesh = Arc::new(Mesh { points: points.into(), faces, rules, ..Mesh::default() });
             let of_mesh = Topology::new(mesh.faces.clone(), mesh.points.len()).edges.len();
             for levels in 1..=2 {

@@ -1,16 +1,16 @@
 //! Builds that pages start: the command itself, in a process of its own, of what is saved.
 
 use super::Hub;
-use crate::error::plain;
-use crate::preview::messages::{BuildMessage, BuildStatus};
-use crate::session::{Input, is_usd};
-use crate::usd::{Selection, garment_below};
+use crate::messages::{BuildMessage, BuildStatus};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::thread;
 use std::{env, io};
+use tailor_mesh::error::plain;
+use tailor_usd::session::{Input, is_usd};
+use tailor_usd::{Selection, garment_below};
 
 /// The file that has what is on screen.
 #[derive(Clone, Debug)]
@@ -121,7 +121,7 @@ fn run(arguments: &[OsString]) -> io::Result<(BuildStatus, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::usd::ReadOptions;
+    use tailor_usd::ReadOptions;
 
     #[test]
     fn a_build_takes_the_input_as_the_preview_did() {

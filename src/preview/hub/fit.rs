@@ -1,7 +1,7 @@
 //! Shows the garment and the body on the way from one body to the other.
 
 use super::Hub;
-use crate::preview::messages::Role;
+use crate::messages::Role;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

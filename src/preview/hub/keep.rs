@@ -3,17 +3,17 @@
 //! The page cannot keep them itself, as the next server has another address, for which a browser has another store.
 
 use super::Hub;
-use crate::error::{Error, plain};
-use crate::preview::document::Options;
-use crate::preview::stage::Stage;
-use crate::session::Input;
-use crate::usd::write_whole;
+use crate::document::Options;
+use crate::stage::Stage;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use std::{env, fs, io, thread};
+use tailor_mesh::error::{Error, plain};
+use tailor_usd::session::Input;
+use tailor_usd::write_whole;
 
 /// Time between two writes.
 const PERIOD: Duration = Duration::from_secs(1);

@@ -2,19 +2,19 @@
 
 use super::workers::{Known, Simulated, builder_for};
 use super::{Hub, Job, Shown};
-use crate::drive::{BindPose, Driver};
-use crate::error::Error;
-use crate::garment::Mesh;
-use crate::mesh::{IdVec, VertexId};
-use crate::pipeline::Progress;
-use crate::preview::messages::{Role, ShotMessage};
-use crate::render::Origins;
-use crate::usd::{CacheFile, Playback};
+use crate::messages::{Role, ShotMessage};
 use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
+use tailor::render::Origins;
+use tailor_costume::drive::{BindPose, Driver};
+use tailor_costume::pipeline::Progress;
+use tailor_mesh::connectivity::{IdVec, VertexId};
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::Mesh;
+use tailor_usd::{CacheFile, Playback};
 
 /// The cache that is played.
 pub struct Shot {

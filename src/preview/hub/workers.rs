@@ -2,20 +2,20 @@
 
 use super::shot::{Rendered, Shot};
 use super::{Hub, Job, Shown};
-use crate::error::{Error, Warnings};
-use crate::garment::Mesh;
-use crate::mesh::{FaceId, IdVec};
-use crate::pipeline::{Builder, Progress, SimUpdate};
-use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage, lengths};
-use crate::preview::stage::Stage;
-use crate::recipe::Recipe;
-use crate::report::RenderFigures;
-use crate::usd::{CacheFile, STACK};
+use crate::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage, lengths};
+use crate::stage::Stage;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, OnceLock, PoisonError};
 use std::thread;
 use std::time::Instant;
+use tailor::report::RenderFigures;
+use tailor_costume::pipeline::{Builder, Progress, SimUpdate};
+use tailor_costume::recipe::Recipe;
+use tailor_mesh::connectivity::{FaceId, IdVec};
+use tailor_mesh::error::{Error, Warnings};
+use tailor_mesh::garment::Mesh;
+use tailor_usd::{CacheFile, STACK};
 
 /// The simulation mesh of a job, from which its cloth is made.
 #[derive(Clone)]

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// The state of a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum BuildStatus {
     /// It runs.
     Running,
@@ -17,7 +17,7 @@ pub enum BuildStatus {
 
 /// A build that a page started.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct BuildMessage {
     /// The output.
     pub output: String,

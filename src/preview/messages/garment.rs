@@ -1,18 +1,18 @@
 //! The message that describes the garment.
 
 use super::SetKind;
-use crate::cloth::Fabric;
-use crate::error::Warning;
-use crate::garment::{Interpolation, Primvar, Subset, Values};
-use crate::recipe::GroupTable;
-use crate::usd::{self, Look, type_word};
 use serde::Serialize;
 use std::collections::BTreeMap;
+use tailor_costume::cloth::Fabric;
+use tailor_costume::recipe::GroupTable;
+use tailor_mesh::error::Warning;
+use tailor_mesh::garment::{Interpolation, Primvar, Subset, Values};
+use tailor_usd::{self, Look, type_word};
 
 /// The garment as it was read. First message of a connection, and again each time the stage is read anew.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct GarmentMessage<'a> {
     /// Version of this program.
     pub version: &'a str,
@@ -54,7 +54,7 @@ pub struct GarmentMessage<'a> {
 
 /// The axis that points up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum UpAxis {
     /// USD's fallback.
     Y,
@@ -71,7 +71,7 @@ impl UpAxis {
 
 /// A set of elements of the garment.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SetInfo<'a> {
     /// Its name.
     pub name: &'a str,
@@ -92,7 +92,7 @@ impl<'a> From<&'a Subset> for SetInfo<'a> {
 
 /// The preview surface of a material: constants, and the image of its colour.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct LookInfo<'a> {
     /// The face set with the material; empty for the mesh.
     pub set: &'a str,
@@ -114,7 +114,7 @@ impl<'a> LookInfo<'a> {
 /// A primvar of the garment.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct PrimvarInfo<'a> {
     /// Its name, without `primvars:`.
     pub name: &'a str,
@@ -139,7 +139,7 @@ impl<'a> From<&'a Primvar> for PrimvarInfo<'a> {
 
 /// A variant set and its selection.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct VariantSet<'a> {
     /// Path of its prim.
     pub prim: &'a str,
@@ -151,8 +151,8 @@ pub struct VariantSet<'a> {
     pub selected: &'a str,
 }
 
-impl<'a> From<&'a usd::VariantSet> for VariantSet<'a> {
-    fn from(variants: &'a usd::VariantSet) -> Self {
+impl<'a> From<&'a tailor_usd::VariantSet> for VariantSet<'a> {
+    fn from(variants: &'a tailor_usd::VariantSet) -> Self {
         let selected = &variants.selected;
         Self { prim: &selected.prim, set: &selected.set, choices: &variants.choices, selected: &selected.choice }
     }
@@ -160,7 +160,7 @@ impl<'a> From<&'a usd::VariantSet> for VariantSet<'a> {
 
 /// Files to save to: those of the input where it has one, else new ones beside the garment.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SaveTargets {
     /// A USD layer. Panels that are sewn together have none: their options are of no prim.
     pub layer: Option<String>,

@@ -6,7 +6,7 @@ use serde::Serialize;
 /// The header of a binary frame.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct MeshHeader<'a> {
     /// The mesh.
     pub role: Role,
@@ -19,11 +19,11 @@ pub struct MeshHeader<'a> {
     /// Sets of the mesh as it is drawn; absent if they are as before. The edge set `UV seams` of the model and the render
     /// mesh is none of the garment's sets: it shows where the UV set is cut.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "typescript", ts(optional))]
     pub sets: Option<Vec<DrawnSet<'a>>>,
     /// The values of the block `values`; absent if they are as before, null if the mesh has none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(test, ts(optional))]
+    #[cfg_attr(feature = "typescript", ts(optional))]
     pub values: Option<Option<DrawnValues<'a>>>,
     /// Times of the server.
     pub times: Times,
@@ -33,7 +33,7 @@ pub struct MeshHeader<'a> {
 
 /// A set of a mesh as it is drawn.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct DrawnSet<'a> {
     /// Its name.
     pub name: &'a str,
@@ -49,7 +49,7 @@ pub struct DrawnSet<'a> {
 
 /// Values of a primvar, or a quality figure, as they are drawn.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct DrawnValues<'a> {
     /// The primvar or quality figure.
     pub name: &'a str,
@@ -64,7 +64,7 @@ pub struct DrawnValues<'a> {
 /// The elements that have a value each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum ValuesOf {
     /// Points.
     Point,
@@ -76,7 +76,7 @@ pub enum ValuesOf {
 
 /// Times of the server for one frame.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Times {
     /// Time to build the mesh. \[ms\]
     pub build: f64,
@@ -89,7 +89,7 @@ pub struct Times {
 /// The blocks of a frame; null if they are as in the last frame of the role.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Blocks {
     /// x, y, z of each point.
     pub points: Option<Block>,
@@ -117,7 +117,7 @@ pub struct Blocks {
 
 /// A block of numbers behind the header.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Block {
     /// The type of its numbers, which are little-endian.
     #[serde(rename = "type")]
@@ -131,7 +131,7 @@ pub struct Block {
 /// The type of the numbers in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum NumberType {
     /// 32-bit floats.
     F32,

@@ -1,17 +1,17 @@
 //! The message that describes a product.
 
 use super::Role;
-use crate::cloth::ClothFigures;
-use crate::error::Warning;
-use crate::recipe::Recipe;
-use crate::report::{RenderFigures, SimFigures};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use tailor::report::{RenderFigures, SimFigures};
+use tailor_costume::cloth::ClothFigures;
+use tailor_costume::recipe::Recipe;
+use tailor_mesh::error::Warning;
 
 /// Figures and warnings of a product; follows its mesh.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ProductMessage<'a> {
     /// The product.
     pub role: Role,
@@ -31,7 +31,7 @@ pub struct ProductMessage<'a> {
 
 /// The cloth of the simulation mesh; follows its mesh.
 #[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ClothMessage<'a> {
     /// Its figures, as in the JSON report of `build`; null without physics.
     pub figures: Option<&'a ClothFigures>,
@@ -42,7 +42,7 @@ pub struct ClothMessage<'a> {
 /// Figures of a product that the page shows, as in the JSON report of `build`.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Figures {
     /// Number of vertices.
     pub vertices: usize,

@@ -1,13 +1,13 @@
 //! The message of a page's selection.
 
-use crate::error::Fault;
-use crate::mesh::Elements;
 use serde::Serialize;
+use tailor_mesh::connectivity::Elements;
+use tailor_mesh::error::Fault;
 
 /// The answer to `select`.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct SelectionMessage {
     /// The selection as an expression; empty where nothing is selected.
     pub expression: String,

@@ -1,11 +1,11 @@
 //! The message about the cache that is played.
 
-use crate::error::Fault;
 use serde::Serialize;
+use tailor_mesh::error::Fault;
 
 /// The cache that is played, after it was opened and after each frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(test, derive(ts_rs::TS))]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ShotMessage {
     /// The file.
     pub file: String,

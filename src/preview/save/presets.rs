@@ -1,15 +1,15 @@
 //! The presets beside the garment: `coat.presets.json` for `coat.usda`.
 
-use crate::error::{Error, ErrorKind, codes, plain};
-use crate::files;
-use crate::preview::document::Options;
-use crate::preview::hub::Hub;
-use crate::preview::messages::{PresetSavedMessage, PresetsMessage, ServerMessage};
-use crate::preview::stage::Stage;
-use crate::recipe::Presets;
-use crate::usd::write_whole;
+use crate::document::Options;
+use crate::hub::Hub;
+use crate::messages::{PresetSavedMessage, PresetsMessage, ServerMessage};
+use crate::presets::Presets;
+use crate::stage::Stage;
 use std::io;
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::{Error, ErrorKind, plain};
+use tailor_mesh::files;
+use tailor_usd::write_whole;
 
 /// The file of a garment's presets.
 pub fn file_of(stage: &Stage) -> PathBuf {
@@ -46,7 +46,7 @@ fn parsed(file: &Path) -> Result<Presets, Error> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Presets::default()),
         Err(e) => {
             let fault = Error::recipe(file.display(), format!("cannot be read: {}", plain(&e)));
-            Err(fault.code(codes::costume::RECIPE_FILE).remedy("check the file").caused_by(e))
+            Err(fault.code(tailor_costume::codes::RECIPE_FILE).remedy("check the file").caused_by(e))
         }
     }
 }
@@ -63,7 +63,7 @@ fn written(stage: &Stage, file: &Path, (kind, name): (&str, &str), values: Optio
     let presets = Presets::parse(file, &text)?;
     write_whole(file, text.as_bytes(), true).map_err(|e| {
         Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e)))
-            .code(codes::usd::WRITE_FAILED)
+            .code(tailor_usd::codes::WRITE_FAILED)
             .remedy("allow the program to write to the garment's folder")
             .caused_by(e)
     })?;

@@ -1,10 +1,10 @@
 //! Images of the materials of a garment, which pages ask for by their numbers.
 
-use crate::usd::Look;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
+use tailor_usd::Look;
 
 /// Largest file. \[bytes\]
 const LARGEST: u64 = 256 << 20;

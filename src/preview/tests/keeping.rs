@@ -1,9 +1,9 @@
 //! Unsaved edits after the end of the program.
 
 use super::*;
-use crate::preview::hub::keep::{Keeper, Kept};
-use crate::preview::messages::SaveStatus;
-use crate::preview::save::save;
+use crate::hub::keep::{Keeper, Kept};
+use crate::messages::SaveStatus;
+use crate::save::save;
 
 /// What a program that opens the garment finds.
 fn opened(folder: &Path, file: &Path) -> (Keeper, Arc<Hub>) {

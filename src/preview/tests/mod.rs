@@ -8,18 +8,18 @@ use super::document::Options;
 use super::hub::{Hub, Snapshot};
 use super::messages::{Origin, Role};
 use super::stage::Stage;
-use crate::session::Input;
-use crate::usd::Selection;
 use serde_json::json;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
+use tailor_usd::Selection;
+use tailor_usd::session::Input;
 use tempfile::TempDir;
 
 fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples").join(name)
 }
 
 fn input(file: &Path) -> Input {

@@ -1,6 +1,6 @@
 //! The declarations of all messages for the page, which ts-rs makes from their types and doc comments.
 
-use crate::preview::messages::{MeshHeader, PageMessage, ServerMessage};
+use crate::messages::{MeshHeader, PageMessage, ServerMessage};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::{env, fs};
@@ -72,7 +72,7 @@ fn protocol() -> String {
 
 #[test]
 fn the_page_knows_all_messages() {
-    let (path, text) = (Path::new(env!("CARGO_MANIFEST_DIR")).join(FILE), protocol());
+    let (path, text) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(FILE), protocol());
     if env::var_os(WRITE).is_some() {
         fs::write(&path, &text).expect("a file");
     }

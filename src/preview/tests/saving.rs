@@ -1,10 +1,10 @@
 //! Saving: what is written, what is kept, and what is refused.
 
 use super::*;
-use crate::preview::continued;
-use crate::preview::messages::SaveStatus;
-use crate::preview::save::{plan, save};
-use crate::usd::ReadOptions;
+use crate::continued;
+use crate::messages::SaveStatus;
+use crate::save::{plan, save};
+use tailor_usd::ReadOptions;
 
 /// Edits with an option of every type.
 fn edits() -> Options {
@@ -23,12 +23,12 @@ fn edited(file: &Path) -> Arc<Hub> {
 }
 
 /// The recipe of a saved file.
-fn recipe(file: &Path) -> crate::Recipe {
+fn recipe(file: &Path) -> tailor_costume::Recipe {
     let opened = input(file).open_one().expect("a good file");
     opened.check().expect("a good recipe").2
 }
 
-fn asked(hub: &Hub) -> crate::Recipe {
+fn asked(hub: &Hub) -> tailor_costume::Recipe {
     let now = hub.snapshot();
     now.stage.recipe(&now.state.edits).expect("a good recipe")
 }

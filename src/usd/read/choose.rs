@@ -4,14 +4,15 @@ use super::diagnostics::{in_words, recipe_of};
 use super::query::{OrUnreadable, is_a, is_product, prim_at, property_names, value, with_ancestors};
 use super::recipe::trim_prims;
 use super::{ReadOptions, variants};
-use crate::error::{Error, codes};
-use crate::usd::names;
-use crate::usd::values::text;
+use crate::codes;
+use crate::names;
+use crate::values::text;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use serde_json::Value as Json;
 use std::collections::BTreeSet;
 use std::path::Path;
+use tailor_mesh::error::Error;
 
 /// Paths that a message lists.
 const LISTED: usize = 8;
@@ -40,7 +41,7 @@ pub fn check_instance(prim: &Prim) -> Result<(), Error> {
     let instance = prim.is_instance_proxy().and_then(|proxy| Ok(proxy || prim.is_in_prototype()?));
     if instance.or_unreadable(prim.path())? {
         return Err(Error::usd(format!("{} is inside an instance, which takes no new prims", prim.path()))
-            .code(codes::usd::INSIDE_INSTANCE)
+            .code(codes::INSIDE_INSTANCE)
             .remedy("open the file that the instance refers to, or set instanceable = false on the instance"));
     }
     Ok(())
@@ -50,7 +51,7 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
     let parsed = sdf::Path::new(path).ok().filter(|p| p.is_abs() && p.is_prim_path() && !p.is_abs_root());
     let Some(parsed) = parsed else {
         return Err(Error::usd(format!("prim {path:?} is not the path of a prim"))
-            .code(codes::mesh::WRONG_PRIM)
+            .code(tailor_mesh::codes::WRONG_PRIM)
             .remedy("it looks like /Coat/model"));
     };
     check_depth(&parsed, file)?;
@@ -60,7 +61,7 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
         let variants = variants_in_words(stage, file)?;
         let remedy = [list(&found)].into_iter().chain(variants).collect::<Vec<_>>().join("; ");
         return Err(Error::usd(format!("{} has no prim {path}", file.display()))
-            .code(codes::mesh::WRONG_PRIM)
+            .code(tailor_mesh::codes::WRONG_PRIM)
             .remedy(remedy));
     }
     if !is_a(&prim, names::MESH)? {
@@ -74,12 +75,12 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
         let type_name = prim.type_name().or_unreadable(&parsed)?.filter(|t| !t.is_empty());
         let kind = type_name.as_ref().map_or("a prim without a type", |t| t.as_str());
         return Err(Error::usd(format!("{path} is {kind}, not a Mesh"))
-            .code(codes::mesh::WRONG_PRIM)
+            .code(tailor_mesh::codes::WRONG_PRIM)
             .remedy(list(&found)));
     }
     if !stage.prim_matches(&parsed, PrimPredicate::DEFAULT).or_unreadable(&parsed)? {
         return Err(Error::usd(format!("{path} is inactive, undefined, or a class (an abstract prim)"))
-            .code(codes::mesh::WRONG_PRIM)
+            .code(tailor_mesh::codes::WRONG_PRIM)
             .remedy("activate it, or name another mesh"));
     }
     Ok(prim)
@@ -107,16 +108,14 @@ fn only_mesh(stage: &Stage, file: &Path, trims: &[String]) -> Result<Prim, Error
         garments.retain(|path| instancer_of(path, &repeated).is_none());
         if garments.is_empty() {
             let text = format!("{} holds no mesh but prototypes of a PointInstancer", file.display());
-            return Err(Error::usd(text)
-                .code(codes::usd::NO_MESH)
-                .remedy(format!("name one by --prim: {}", list(&found))));
+            return Err(Error::usd(text).code(codes::NO_MESH).remedy(format!("name one by --prim: {}", list(&found))));
         }
     }
     match garments.as_slice() {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(Error::usd(format!("{} holds no mesh but products of usd-tailor", file.display()))
-                .code(codes::usd::NO_MESH)
+                .code(codes::NO_MESH)
                 .remedy("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
@@ -134,12 +133,10 @@ fn only_mesh(stage: &Stage, file: &Path, trims: &[String]) -> Result<Prim, Error
                 Some((_, recipe)) => format!("name {recipe} itself as the input"),
                 None => format!("a garment is an active prim of type Mesh{elsewhere}"),
             };
-            Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
-                .code(codes::usd::NO_MESH)
-                .remedy(wanted))
+            Err(Error::usd(format!("{} holds no mesh{because}", file.display())).code(codes::NO_MESH).remedy(wanted))
         }
         several => Err(Error::usd(format!("{} holds {} meshes", file.display(), several.len()))
-            .code(codes::usd::SEVERAL_MESHES)
+            .code(codes::SEVERAL_MESHES)
             .remedy(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
 }

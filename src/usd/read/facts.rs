@@ -3,16 +3,16 @@
 use super::model::Model;
 use super::query::{OrUnreadable, interpolation, prim_at, primvar_names, property_names, subset_prims, value};
 use super::variants::{VariantSet, variant_sets};
-use crate::error::Error;
-use crate::garment::{Interpolation, Units};
-use crate::usd::names;
-use crate::usd::record::{Content, Record};
-use crate::usd::values::{number, text};
+use crate::names;
+use crate::record::{Content, Record};
+use crate::values::{number, text};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use openusd::usda::TextWriter;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{Interpolation, Units};
 
 /// The model and its surroundings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

@@ -7,15 +7,16 @@ use super::query::{
 use super::shapes::read_shapes;
 use super::skin::check_joints;
 use super::space::{space, transforms, units, uv_scales};
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::{
-    FaceNumbers, Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput, split_repeats,
-};
-use crate::usd::names::{self, UsdToken};
+use crate::codes;
+use crate::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use std::collections::BTreeMap;
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::{
+    FaceNumbers, Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput, split_repeats,
+};
 
 /// Element types of subsets that products have.
 const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
@@ -95,7 +96,7 @@ fn constant_uvs(prim: &Prim, mesh: &Garment, time: Option<TimeCode>) -> Result<W
             let problem = format!("its interpolation is constant, so its {count} values are not read as UVs");
             let place = format!("{}.{property}", prim.path());
             warnings.push(
-                Warning::new(codes::tailor::NO_UV_SET, place, problem).remedy(format!("Set interpolation to {kind}")),
+                Warning::new(tailor::codes::NO_UV_SET, place, problem).remedy(format!("Set interpolation to {kind}")),
             );
         }
     }
@@ -121,11 +122,11 @@ fn required_or_empty<T>(
     match value(prim, name, time)? {
         Some(value) => convert(value).map_err(|expected| {
             Error::usd(format!("{}.{name} is not of type {expected}", prim.path()))
-                .code(codes::usd::ATTRIBUTE_TYPE)
+                .code(codes::ATTRIBUTE_TYPE)
                 .remedy(format!("declare it as {expected} {name}"))
         }),
         None if required => Err(Error::usd(format!("{} has no {name}", prim.path()))
-            .code(codes::usd::ATTRIBUTE_TYPE)
+            .code(codes::ATTRIBUTE_TYPE)
             .remedy("a mesh needs points, faceVertexCounts and faceVertexIndices")),
         None => Ok(Vec::new()),
     }

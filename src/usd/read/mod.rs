@@ -20,7 +20,6 @@ mod space;
 mod trims;
 mod variants;
 
-#[cfg(feature = "preview")]
 pub use bindings::Look;
 pub use choose::all_prims;
 pub use diagnostics::{TailorPayloads, tailor_payloads};

@@ -7,17 +7,17 @@ use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
 use super::space::{Transforms, transforms};
 use super::variants::SESSION;
-use crate::error::{Error, Warning, Warnings};
-use crate::garment::Interpolation;
-use crate::usd::assets::same_file;
-use crate::usd::names;
-use crate::usd::record::{Depth, NO_SPLINE, Record, is_children, metadata};
+use crate::assets::same_file;
+use crate::names;
+use crate::record::{Depth, NO_SPLINE, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::Interpolation;
 
 /// The model and its surroundings, free of the stage.
 #[derive(Clone, Debug)]

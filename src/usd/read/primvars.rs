@@ -3,15 +3,16 @@
 use super::mesh::motion;
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
-use crate::usd::assets::{file_path, resolved};
-use crate::usd::names::{self, UsdToken};
-use crate::usd::record::{Depth, Record};
-use crate::usd::values::{Flat, flat, text};
+use crate::assets::{file_path, resolved};
+use crate::codes;
+use crate::names::{self, UsdToken};
+use crate::record::{Depth, Record};
+use crate::values::{Flat, flat, text};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use std::collections::BTreeMap;
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::{Interpolation, PrimvarInput, PrimvarRole};
 
 /// How the properties that vary over the model are declared, so that products can author them with new values.
 #[derive(Clone, Debug, Default)]
@@ -150,7 +151,7 @@ pub fn read_primvar(
     let declared = |property: &str| Record::take(prim, property, Depth::Declaration).or_unreadable(attribute.path());
     let Some(declaration) = declared(&property)? else { return Ok(None) };
     let Some(type_name) = declaration.type_name() else { return Ok(None) };
-    let flat = flat(type_name, value).map_err(|why| Error::usd(why).code(codes::usd::ATTRIBUTE_TYPE))?;
+    let flat = flat(type_name, value).map_err(|why| Error::usd(why).code(codes::ATTRIBUTE_TYPE))?;
     let Flat { meaning, half, components, values } = flat;
     let primvar = PrimvarInput {
         name: name.to_owned(),
@@ -174,7 +175,7 @@ fn element_size(declaration: &Record) -> Result<i32, Error> {
     match declaration.metadata(names::ELEMENT_SIZE) {
         None => Ok(1),
         Some(Value::Int(n)) => Ok(*n),
-        Some(_) => Err(Error::usd("its elementSize is not an int").code(codes::usd::ATTRIBUTE_TYPE)),
+        Some(_) => Err(Error::usd("its elementSize is not an int").code(codes::ATTRIBUTE_TYPE)),
     }
 }
 
@@ -183,7 +184,7 @@ fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
         Some(_) => Err(Error::usd("its indices are not of type int[]")
-            .code(codes::usd::ATTRIBUTE_TYPE)
+            .code(codes::ATTRIBUTE_TYPE)
             .remedy(format!("Declare {property}{} as int[]", names::INDICES_SUFFIX))),
     }
 }

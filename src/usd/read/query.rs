@@ -1,12 +1,13 @@
 //! Questions to a composed stage. Errors name the prim or attribute.
 
-use crate::error::{Error, codes};
-use crate::garment::Interpolation;
-use crate::usd::names::{self, UsdToken};
-use crate::usd::values::text;
+use crate::codes;
+use crate::names::{self, UsdToken};
+use crate::values::text;
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::fmt::Display;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::Interpolation;
 
 /// Turns a failure of the USD library into an error that names a path.
 pub trait OrUnreadable<T> {
@@ -22,7 +23,7 @@ impl<T, E: Display> OrUnreadable<T> for Result<T, E> {
             if !words.contains(UNDECODED) {
                 return fault;
             }
-            fault.code(codes::usd::NOT_SUPPORTED).remedy(
+            fault.code(codes::NOT_SUPPORTED).remedy(
                 "the crate may be of an old version: write it again, for example by `usdcat OLD -o NEW`; it is damaged if \
                  that fails too",
             )
@@ -123,7 +124,7 @@ pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, Error> {
     let shown = text(token).unwrap_or("not a token");
     T::from_token(shown).ok_or_else(|| {
         Error::usd(format!("{place} is {shown:?}, which USD does not know"))
-            .code(codes::usd::UNKNOWN_TOKEN)
+            .code(codes::UNKNOWN_TOKEN)
             .remedy(format!("use one of: {}", T::allowed()))
     })
 }
@@ -148,7 +149,7 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
         }
         times @ [first, ..] => {
             Err(Error::usd(format!("{} has values at {} times and no default", attribute.path(), times.len()))
-                .code(codes::usd::NO_DEFAULT_VALUE)
+                .code(codes::NO_DEFAULT_VALUE)
                 .remedy(format!(
                     "choose a time, for example --time {first}, or the argument time={first} of a .tailor file"
                 )))
@@ -164,7 +165,7 @@ pub fn text_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Opt
     let Some(value) = value(prim, name, time)? else { return Ok(None) };
     let text = text(&value).ok_or_else(|| {
         Error::usd(format!("{}.{name} is not a token", prim.path()))
-            .code(codes::usd::ATTRIBUTE_TYPE)
+            .code(codes::ATTRIBUTE_TYPE)
             .remedy(format!("declare it as uniform token {name}"))
     })?;
     Ok(Some(text.to_owned()))
@@ -194,8 +195,8 @@ mod tests {
         let path = sdf::Path::new("/Top/mesh_0").expect("a path");
         let of = |words: &str| Err::<(), _>(words).or_unreadable(&path).expect_err("a failure").faults.remove(0);
         let old = of("failed to decode field \"timeSamples\" at /Top/mesh_0.points");
-        assert_eq!(old.code, codes::usd::NOT_SUPPORTED);
+        assert_eq!(old.code, codes::NOT_SUPPORTED);
         assert!(old.remedy.contains("usdcat"), "{}", old.remedy);
-        assert_eq!(of("the end of the file came too early").code, codes::mesh::DAMAGED_FILE);
+        assert_eq!(of("the end of the file came too early").code, tailor_mesh::codes::DAMAGED_FILE);
     }
 }

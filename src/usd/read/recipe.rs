@@ -1,15 +1,15 @@
 //! The recipe in the model's own properties, as JSON.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, subset_prims, value};
-use crate::error::{Error, codes};
-use crate::files::folder_of;
-use crate::usd::assets::file_path;
-use crate::usd::names;
-use crate::usd::values::{decimal, text};
+use crate::assets::file_path;
+use crate::names;
+use crate::values::{decimal, text};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
 use std::path::Path as FilePath;
+use tailor_mesh::error::Error;
+use tailor_mesh::files::folder_of;
 
 /// Parts of the name of an option. Nested options are handled level by level.
 const MOST_PARTS: usize = 100;
@@ -50,7 +50,9 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         if key.matches(':').count() > MOST_PARTS {
             let start: String = name.chars().take(60).collect();
             let problem = format!("{}.{start}...: the name has more than {MOST_PARTS} parts", prim.path());
-            return Err(Error::usd(problem).code(codes::costume::RECIPE_ATTRIBUTE).remedy("give it a shorter name"));
+            return Err(Error::usd(problem)
+                .code(tailor_costume::codes::RECIPE_ATTRIBUTE)
+                .remedy("give it a shorter name"));
         }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
@@ -62,7 +64,7 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
         if let Some(value) = value {
             insert(&mut recipe, key, value).ok_or_else(|| {
                 Error::usd(format!("{}.{name} is both a value and a namespace", prim.path()))
-                    .code(codes::costume::RECIPE_ATTRIBUTE)
+                    .code(tailor_costume::codes::RECIPE_ATTRIBUTE)
                     .remedy("remove one of the two")
             })?;
         }
@@ -116,7 +118,7 @@ fn option_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Optio
     let Some(value) = value(prim, name, time)? else { return Ok(None) };
     to_json(&value).map(Some).ok_or_else(|| {
         Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
-            .code(codes::costume::RECIPE_ATTRIBUTE)
+            .code(tailor_costume::codes::RECIPE_ATTRIBUTE)
             .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
     })
 }
@@ -148,7 +150,7 @@ fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Option<Json>, Error> 
                 "{}.{name} targets {target}, which is not a GeomSubset of the mesh",
                 prim.path()
             ))
-            .code(codes::costume::RECIPE_ATTRIBUTE)
+            .code(tailor_costume::codes::RECIPE_ATTRIBUTE)
             .remedy(format!("target one of its subsets: {}", known.join(", "))));
         }
     }

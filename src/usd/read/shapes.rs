@@ -1,13 +1,14 @@
 //! Reading blend shapes (`UsdSkelBlendShape`) below the model or bound to it.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, value};
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::{Interpolation, Meaning, PrimvarInput, PrimvarRole, Values};
-use crate::usd::names;
-use crate::usd::record::{Depth, Record};
+use crate::codes;
+use crate::names;
+use crate::record::{Depth, Record};
 use openusd::gf::Vec3f;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, TimeCode};
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::{Interpolation, Meaning, PrimvarInput, PrimvarRole, Values};
 
 /// A blend shape without its offsets, which are carried as vertex primvars.
 #[derive(Clone, Debug)]
@@ -78,12 +79,12 @@ fn read_shape(
 ) -> Result<(BlendShape, Vec<PrimvarInput>), Error> {
     let prim = prim_at(model.stage(), path)?;
     if !is_a(&prim, names::BLEND_SHAPE)? {
-        return Err(Error::usd("there is no BlendShape prim").code(codes::usd::ATTRIBUTE_TYPE));
+        return Err(Error::usd("there is no BlendShape prim").code(codes::ATTRIBUTE_TYPE));
     }
     let indices = match value(&prim, names::POINT_INDICES, None)? {
         Some(Value::IntVec(indices)) => Some(indices),
         None => None,
-        Some(_) => return Err(Error::usd("its pointIndices are not of type int[]").code(codes::usd::ATTRIBUTE_TYPE)),
+        Some(_) => return Err(Error::usd("its pointIndices are not of type int[]").code(codes::ATTRIBUTE_TYPE)),
     };
     let mut shape = BlendShape { name: prim_name(&prim), binding, properties: Vec::new() };
     let mut primvars = Vec::new();
@@ -95,13 +96,11 @@ fn read_shape(
             Some(Value::Vec3fVec(offsets)) => offsets,
             None => continue,
             Some(_) => {
-                return Err(
-                    Error::usd(format!("its {name} are not three floats each")).code(codes::usd::ATTRIBUTE_TYPE)
-                );
+                return Err(Error::usd(format!("its {name} are not three floats each")).code(codes::ATTRIBUTE_TYPE));
             }
         };
         let values = dense(&offsets, indices.as_deref(), points);
-        let values = values.map_err(|why| Error::usd(format!("its {name} {why}")).code(codes::usd::ATTRIBUTE_TYPE))?;
+        let values = values.map_err(|why| Error::usd(format!("its {name} {why}")).code(codes::ATTRIBUTE_TYPE))?;
         shape.properties.extend(Record::take(&prim, &name, Depth::Declaration).or_unreadable(path)?);
         primvars.push(PrimvarInput {
             name: format!("{path}.{name}"),

@@ -2,11 +2,11 @@
 
 use super::query::with_ancestors;
 use super::query::{OrUnreadable, prim_at, value};
-use crate::error::{Error, codes};
-use crate::garment::{PrimvarInput, Values, joints::JOINT_INDICES};
-use crate::usd::names;
+use crate::names;
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{PrimvarInput, Values, joints::JOINT_INDICES};
 
 /// Refuses influences of joints that the skeleton does not have. OpenUSD skins no point of such a mesh.
 ///
@@ -23,7 +23,7 @@ pub fn check_joints(prim: &Prim, primvars: &[PrimvarInput], time: Option<TimeCod
     let has =
         count.map_or_else(|| "joints are numbered from 0".to_owned(), |count| format!("there are {count} joints"));
     Err(Error::usd(format!("{}.primvars:{JOINT_INDICES}: value {row} names joint {joint}, and {has}", prim.path()))
-        .code(codes::mesh::INDEX_OUT_OF_RANGE)
+        .code(tailor_mesh::codes::INDEX_OUT_OF_RANGE)
         .remedy("bind the mesh to its skeleton again; unused influences have joint 0 and weight 0"))
 }
 

@@ -1,6 +1,5 @@
 //! An opened garment.
 
-#[cfg(feature = "preview")]
 use super::bindings::{Look, looks};
 use super::choose::{all_prims, choose_mesh};
 use super::diagnostics::{in_words, remedy};
@@ -13,18 +12,18 @@ use super::query::prim_at;
 use super::recipe::{add_constraint, read_recipe};
 use super::trims::FittedTrim;
 use super::variants::{Selection, choices_of, frozen};
-use crate::error::{Error, ErrorKind, Warning, Warnings, codes};
-use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
-use crate::garment::{Garment, PrimvarInput, PrimvarRole};
-use crate::usd::{BuildRecord, on_large_stack};
+use crate::codes;
+use crate::{BuildRecord, on_large_stack};
 use glam::Vec3;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
-#[cfg(feature = "preview")]
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
+use tailor_mesh::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
+use tailor_mesh::garment::{Garment, PrimvarInput, PrimvarRole};
 
 /// The mesh and the time that are read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,7 +56,7 @@ impl ReadOptions {
             return Ok(tolerance);
         }
         let text = format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}");
-        let fault = Error::new(ErrorKind::Usage, "", text).code(codes::mesh::COMMAND_LINE);
+        let fault = Error::new(ErrorKind::Usage, "", text).code(tailor_mesh::codes::COMMAND_LINE);
         Err(fault.remedy("give a share of the mean edge length, such as 0.001"))
     }
 }
@@ -77,17 +76,16 @@ pub struct PanelSeam {
 /// share it.
 #[derive(Clone, Debug)]
 pub struct Source {
-    pub(in crate::usd) model: Model,
-    pub(in crate::usd) garment: Result<Garment, Error>,
+    pub(crate) model: Model,
+    pub(crate) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
-    #[cfg(feature = "preview")]
     pub(super) looks: BTreeMap<String, Look>,
     pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
     /// The points on another body, which are written over those of the garment.
-    pub(in crate::usd) fitted: Option<Arc<FittedPoints>>,
+    pub(crate) fitted: Option<Arc<FittedPoints>>,
 }
 
 /// The points of a garment on another body, and its trims there.
@@ -117,7 +115,7 @@ impl Source {
     pub(super) fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
             return Err(Error::new(ErrorKind::Usage, "", "the time is not a number")
-                .code(codes::mesh::COMMAND_LINE)
+                .code(tailor_mesh::codes::COMMAND_LINE)
                 .remedy("give a time code, such as 1 or 24.5"));
         }
         on_large_stack(|| Self::take(origin, options))
@@ -165,7 +163,6 @@ impl Source {
             garment,
             recipe,
             facts,
-            #[cfg(feature = "preview")]
             looks: looks(stage, &bound),
             warnings,
             records,
@@ -210,7 +207,7 @@ impl Source {
     }
 
     /// Notes that the garment is made of files with bodies too.
-    pub(crate) fn add_bodies(&mut self, bodies: &[Self; 2]) {
+    pub fn add_bodies(&mut self, bodies: &[Self; 2]) {
         self.model.layers.extend(bodies.iter().flat_map(|body| body.model.layers.iter().cloned()));
         self.model.layers.sort();
         self.model.layers.dedup();
@@ -227,8 +224,7 @@ impl Source {
     }
 
     /// The looks of materials by subset; that of the whole mesh under an empty name.
-    #[cfg(feature = "preview")]
-    pub(crate) fn looks(&self) -> &BTreeMap<String, Look> {
+    pub fn looks(&self) -> &BTreeMap<String, Look> {
         &self.looks
     }
 
@@ -293,7 +289,7 @@ pub fn variants_of(file: &Path, options: &ReadOptions, set: &str) -> Result<Vec<
 fn composition(stage: &Stage, file: &Path) -> Warnings {
     let warning = |e| {
         let problem = format!("the stage does not compose fully: {}", in_words(e));
-        Warning::new(codes::usd::COMPOSITION, file.display(), problem).remedy(remedy(e))
+        Warning::new(codes::COMPOSITION, file.display(), problem).remedy(remedy(e))
     };
     stage.composition_errors().iter().map(warning).collect()
 }

@@ -2,13 +2,14 @@
 
 use super::query::with_ancestors;
 use super::query::{OrUnreadable, prim_at, subset_prims};
-use crate::error::{Error, Warning, Warnings, codes, names as listed};
-use crate::usd::names;
+use crate::codes;
+use crate::names;
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
 use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use tailor_mesh::error::{Error, Warning, Warnings, names as listed};
 
 /// A variant of a variant set.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -173,7 +174,7 @@ fn frozen_sets<'a>(
     let note = |VariantSet { selected: Selection { set, choice, .. }, .. }: &VariantSet| {
         let properties = listed(&kept.get(set)?.iter().collect::<Vec<_>>());
         let problem = format!("{who} {properties} of {set}={choice}, also where another variant is selected");
-        Some(Warning::new(codes::usd::FROZEN_VARIANT, prim.path(), problem).remedy(remedy(set)))
+        Some(Warning::new(codes::FROZEN_VARIANT, prim.path(), problem).remedy(remedy(set)))
     };
     sets.filter(|set| set.choices.len() > 1).filter_map(note).collect()
 }
@@ -185,7 +186,7 @@ pub fn flattened_variants(prim: &str, sets: &[VariantSet]) -> Option<Warning> {
         several.map(|VariantSet { selected, .. }| format!("{}={}", selected.set, selected.choice)).collect();
     let problem = format!("the flattened output is of {}, and has no variants", selected.join(" and "));
     let remedy = "Write it over the input, without --flatten, to keep them";
-    (!selected.is_empty()).then(|| Warning::new(codes::usd::FROZEN_VARIANT, prim, problem).remedy(remedy))
+    (!selected.is_empty()).then(|| Warning::new(codes::FROZEN_VARIANT, prim, problem).remedy(remedy))
 }
 
 /// Names of the variants of a set that one layer holds.
@@ -231,12 +232,11 @@ pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> 
 /// # Errors
 /// A path that is not a prim.
 pub fn session_layer(selections: &[Selection]) -> Result<String, Error> {
-    let fault = |e: openusd::Error| {
-        Error::usd(format!("the variants cannot be selected: {e}")).code(codes::usd::COMPOSITION_FAILED)
-    };
+    let fault =
+        |e: openusd::Error| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::COMPOSITION_FAILED);
     let mut data = Data::new();
     data.create_spec(sdf::Path::abs_root(), SpecType::PseudoRoot);
     select(&mut data, selections).map_err(fault)?;
     TextWriter::write_to_string(&data)
-        .map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::usd::COMPOSITION_FAILED))
+        .map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::COMPOSITION_FAILED))
 }

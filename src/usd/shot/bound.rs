@@ -4,12 +4,10 @@ use super::DriveOptions;
 use super::chosen::{BoundMesh, Chosen};
 use super::conversion::StageMetrics;
 use super::space::Space;
-use crate::binding::Binding;
-use crate::drive::{BindFrames, BindPose, Driver};
-use crate::error::{Error, codes};
-use crate::usd::names;
-use crate::usd::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value};
-use crate::usd::write::{extent, pose_points};
+use crate::codes;
+use crate::names;
+use crate::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value};
+use crate::write::{extent, pose_points};
 use glam::{DMat4, Quat, Vec3};
 use openusd::gf::{Quath, f16};
 use openusd::sdf::{Path, Value, ValueTypeName};
@@ -17,6 +15,9 @@ use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::PathBuf;
 use std::sync::Arc;
+use tailor_costume::binding::Binding;
+use tailor_costume::drive::{BindFrames, BindPose, Driver};
+use tailor_mesh::error::Error;
 
 /// A mesh at bind, which a cache moves.
 pub struct MeshAtBind {
@@ -146,7 +147,8 @@ impl Bound {
 fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
     let [faces, coords, source] = names::MODEL_BINDING;
     let (sim, file) = (holder.path(), options.render.display());
-    let stale = |text: String, remedy: &str| Err(Error::usd(text).code(codes::costume::STALE_BINDING).remedy(remedy));
+    let stale =
+        |text: String, remedy: &str| Err(Error::usd(text).code(tailor_costume::codes::STALE_BINDING).remedy(remedy));
     let paths = holder.relationship(source).targets().or_unreadable(sim)?;
     if paths.is_empty() {
         let text = format!("{sim} of {file} has no {source}");
@@ -200,7 +202,7 @@ fn read_places(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Binding, Err
     match value(holder, coords, None)? {
         Some(Value::Vec3fVec(coords)) => Ok(Binding { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
         _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-            .code(codes::costume::STALE_BINDING)
+            .code(tailor_costume::codes::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -215,7 +217,7 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     match points {
         Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
         _ => Err(Error::usd(format!("{} has no points without a time", prim.path()))
-            .code(codes::costume::STALE_BINDING)
+            .code(tailor_costume::codes::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -224,7 +226,7 @@ fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {
     match value(prim, name, None)? {
         Some(Value::IntVec(values)) => Ok(values),
         _ => Err(Error::usd(format!("{}.{name} is missing", prim.path()))
-            .code(codes::costume::STALE_BINDING)
+            .code(tailor_costume::codes::STALE_BINDING)
             .remedy("build the garment again")),
     }
 }
@@ -234,7 +236,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
         return Err(Error::usd(format!("{} is not a triangle mesh", sim.path()))
-            .code(codes::costume::STALE_BINDING)
+            .code(tailor_costume::codes::STALE_BINDING)
             .remedy("build the garment again"));
     }
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
@@ -348,7 +350,7 @@ fn normals(prim: &Prim, points: usize, time: Option<TimeCode>) -> Result<Option<
     if of.len() != values.len() || !of.iter().all(|v| (0..points as i32).contains(v)) {
         let text = format!("{} normals of {} do not fit its {points} points and its faces", values.len(), prim.path());
         return Err(Error::usd(text)
-            .code(codes::usd::ATTRIBUTE_TYPE)
+            .code(codes::ATTRIBUTE_TYPE)
             .remedy("mend its normals or their interpolation, or block them"));
     }
     let values = bytemuck::cast_slice(&values).to_vec();

@@ -4,14 +4,15 @@ use super::bound::MeshAtBind;
 use super::conversion::StageMetrics;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
-use crate::error::{Error, ErrorKind, codes};
-use crate::usd::names;
-use crate::usd::read::{OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value};
-use crate::usd::values::number;
+use crate::codes;
+use crate::names;
+use crate::read::{OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value};
+use crate::values::number;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use std::path::{Path as FilePath, PathBuf};
+use tailor_mesh::error::{Error, ErrorKind};
 
 /// The metadata of a cache that a shot has too: frames and time codes per second.
 pub const RATE: [&str; 2] = ["framesPerSecond", "timeCodesPerSecond"];
@@ -79,15 +80,15 @@ impl Cache {
             }
             "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(cache, mesh)?,
             _ => {
-                let fault = Error::usd(format!("{} is not a cache that can be read", file.display()))
-                    .code(codes::usd::CACHE_FILE);
+                let fault =
+                    Error::usd(format!("{} is not a cache that can be read", file.display())).code(codes::CACHE_FILE);
                 return Err(fault.remedy("give a USD file, .npz or .npy; convert an Alembic with usdcat"));
             }
         };
         if opened.times.is_empty() {
             return Err(opened
                 .fault("it has no frames")
-                .code(codes::usd::CACHE_FRAMES)
+                .code(codes::CACHE_FRAMES)
                 .remedy("cache the points of the simulation mesh over time"));
         }
         let points = mesh.points.len();
@@ -95,14 +96,14 @@ impl Cache {
             let text = format!("it has {} points, and {} has {}", opened.points, mesh.path, points);
             return Err(opened
                 .fault(&text)
-                .code(codes::usd::CACHE_MISMATCH)
+                .code(codes::CACHE_MISMATCH)
                 .remedy("simulate this garment again, or drive the one that was simulated"));
         }
         Ok(opened)
     }
 
     fn fault(&self, text: &str) -> Error {
-        Error::new(ErrorKind::Usd, self.file.display(), text).code(codes::usd::CACHE_FILE)
+        Error::new(ErrorKind::Usd, self.file.display(), text).code(codes::CACHE_FILE)
     }
 
     /// The times of the frames, ascending. \[time codes\]
@@ -129,7 +130,7 @@ impl Cache {
         if let Some(i) = steps.iter().position(|step| step.is_nan() || *step <= 0.0) {
             return Err(self
                 .fault(&format!("its times do not ascend after {}", self.times[i]))
-                .code(codes::usd::CACHE_FRAMES)
+                .code(codes::CACHE_FRAMES)
                 .remedy("sort its frames"));
         }
         let mut sorted = steps.clone();
@@ -144,7 +145,7 @@ impl Cache {
             self.times[i],
             self.times[i + 1]
         );
-        Err(self.fault(&text).code(codes::usd::CACHE_FRAMES).remedy("cache them again, or accept gaps with --gaps"))
+        Err(self.fault(&text).code(codes::CACHE_FRAMES).remedy("cache them again, or accept gaps with --gaps"))
     }
 
     /// Whether frames can only be read one after another.
@@ -180,8 +181,7 @@ impl Cache {
 
     /// Refuses values of a frame that are not one for each point, or not finite.
     fn check_values(&self, time: f64, name: &str, values: &[Vec3]) -> Result<(), Error> {
-        let fault =
-            |text: String| Err(self.fault(&text).code(codes::usd::CACHE_FRAMES).remedy("cache this frame again"));
+        let fault = |text: String| Err(self.fault(&text).code(codes::CACHE_FRAMES).remedy("cache this frame again"));
         if values.len() != self.points {
             return fault(format!("frame {time} has {} {name} instead of {}", values.len(), self.points));
         }
@@ -252,7 +252,7 @@ fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>,
         _ => {
             let at = time.map_or(String::new(), |time| format!(" at time {}", time.value()));
             Err(Error::usd(format!("{}.{name} has no value{at}", prim.path()))
-                .code(codes::usd::CACHE_FRAMES)
+                .code(codes::CACHE_FRAMES)
                 .remedy("cache this frame again"))
         }
     }
@@ -284,7 +284,7 @@ fn chosen(meshes: &[Path], cache: &CacheFile, mesh: &MeshAtBind) -> Result<Path,
         let found = meshes.iter().find(|path| path.as_str() == wanted);
         return found.cloned().ok_or_else(|| {
             Error::usd(format!("{wanted} of {file} has no points over time"))
-                .code(codes::usd::CACHE_MISMATCH)
+                .code(codes::CACHE_MISMATCH)
                 .remedy(format!("the meshes with points over time are: {}", listed()))
         });
     }
@@ -294,10 +294,10 @@ fn chosen(meshes: &[Path], cache: &CacheFile, mesh: &MeshAtBind) -> Result<Path,
     match meshes {
         [one] => Ok(one.clone()),
         [] => Err(Error::usd(format!("{file} has no mesh with points over time"))
-            .code(codes::usd::CACHE_MISMATCH)
+            .code(codes::CACHE_MISMATCH)
             .remedy("cache the points of the simulation mesh over time")),
         _ => Err(Error::usd(format!("{file} has {} meshes with points over time", meshes.len()))
-            .code(codes::usd::CACHE_MISMATCH)
+            .code(codes::CACHE_MISMATCH)
             .remedy(format!("choose one by --cache-prim: {}", listed()))),
     }
 }
@@ -314,6 +314,6 @@ fn check_faces(corners: Option<Value>, prim: &Path, file: &FilePath, mesh: &Mesh
         false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
     };
     Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", mesh.path))
-        .code(codes::usd::CACHE_MISMATCH)
+        .code(codes::CACHE_MISMATCH)
         .remedy("cache the mesh as it was written"))
 }

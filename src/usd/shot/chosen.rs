@@ -1,14 +1,13 @@
 //! The simulation mesh that a cache moves, and the meshes that are bound to it at all levels of detail.
 
 use super::DriveOptions;
-use crate::error::{Error, codes};
-use crate::usd::names;
-use crate::usd::read::{
-    OrUnreadable, Selection, StageOrigin, all_prims, choices_of, has_points, prim_at, property_names,
-};
+use crate::codes;
+use crate::names;
+use crate::read::{OrUnreadable, Selection, StageOrigin, all_prims, choices_of, has_points, prim_at, property_names};
 use openusd::sdf::Path;
 use openusd::usd::{PrimPredicate, Stage};
 use std::path::Path as FilePath;
+use tailor_mesh::error::Error;
 
 /// A mesh that is bound to a simulation mesh.
 #[derive(Clone)]
@@ -77,7 +76,7 @@ impl Chosen {
                 let mut bound: Vec<&Path> = all.iter().map(|mesh| &mesh.path).collect();
                 bound.dedup();
                 Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
-                    .code(codes::usd::NOT_BOUND)
+                    .code(codes::NOT_BOUND)
                     .remedy(format!("the bound meshes are: {}", listed(&bound)))
             });
         }
@@ -91,10 +90,10 @@ impl Chosen {
         match sims.as_slice() {
             [one] => Ok(of_sim(one)),
             [] => Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
-                .code(codes::usd::NOT_BOUND)
+                .code(codes::NOT_BOUND)
                 .remedy("build it with `usdtailor build` of this version")),
             _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
-                .code(codes::usd::SEVERAL_MESHES)
+                .code(codes::SEVERAL_MESHES)
                 .remedy(format!("choose one by --prim: {}", listed(&sims)))),
         }
     }

@@ -5,16 +5,17 @@
 
 use super::DrivenPrim;
 use super::stream::{sampled, type_of, unwritable};
-use crate::error::{Error, ErrorCode, codes, plain};
-use crate::files;
-use crate::usd::assets::Anchor;
-use crate::usd::write::{OutputFile, PREFIX, Unfinished};
+use crate::assets::Anchor;
+use crate::codes;
+use crate::write::{OutputFile, PREFIX, Unfinished};
 use openusd::gf::Vec2d;
 use openusd::sdf::{self, AbstractData, AssetPath, Data, Path, PrimSpec, SpecType, Value, Variability};
 use std::collections::{BTreeSet, HashMap};
 use std::fs;
 use std::io;
 use std::path::{Path as FilePath, PathBuf};
+use tailor_mesh::error::{Error, ErrorCode, plain};
+use tailor_mesh::files;
 use tempfile::{Builder, TempDir};
 
 /// Ending of the name of the folder of the clips.
@@ -56,23 +57,23 @@ impl Clips {
             Err(Error::usd(format!("{} {text}", folder.display())).code(code).remedy(remedy))
         };
         if folder.exists() && !force {
-            return fault(codes::usd::OUTPUT_EXISTS, "exists already", "use --force to overwrite it");
+            return fault(codes::OUTPUT_EXISTS, "exists already", "use --force to overwrite it");
         }
         let earlier = contents(&folder);
         if let Some(inner) = earlier.iter().find(|path| **path != folder && path.is_dir()) {
             let text = format!("holds the folder {}, which is not a clip", inner.display());
-            return fault(codes::usd::OUTPUT_PATH, &text, "move it away, or write to another file");
+            return fault(codes::OUTPUT_PATH, &text, "move it away, or write to another file");
         }
         if !earlier.iter().all(|path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)) {
             return fault(
-                codes::usd::OUTPUT_PATH,
+                codes::OUTPUT_PATH,
                 "is not a folder of clips, or holds more than clips",
                 "move it away, or write to another file",
             );
         }
         if let Some(i) = used(&earlier)? {
             let text = format!("holds {}, which is an input", earlier[i].display());
-            return fault(codes::usd::OUTPUT_IS_INPUT, &text, "write to another file; an input is never changed");
+            return fault(codes::OUTPUT_IS_INPUT, &text, "write to another file; an input is never changed");
         }
         // Files are renamed into the folder, so that they have to be on its disk.
         let real = folder.canonicalize().ok();
@@ -177,7 +178,7 @@ impl Clips {
 
     fn fault(&self, e: &io::Error) -> Error {
         Error::usd(format!("cannot write {}: {}", self.folder.display(), plain(e)))
-            .code(codes::usd::WRITE_FAILED)
+            .code(codes::WRITE_FAILED)
             .remedy("check the folder's permissions and the space on its disk")
     }
 
@@ -225,7 +226,7 @@ fn empty() -> Data {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::usd::names;
+    use crate::names;
     use glam::Vec3;
 
     /// Clips of one point at some heights, ready to be written.

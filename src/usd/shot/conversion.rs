@@ -2,11 +2,11 @@
 
 use super::bound::MeshAtBind;
 use super::cache::Frame;
-use crate::garment::Units;
-use crate::usd::names;
-use crate::usd::values::text;
+use crate::names;
+use crate::values::text;
 use glam::Vec3;
 use openusd::sdf::Value;
+use tailor_mesh::garment::Units;
 
 /// The up axis of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,14 +3,15 @@
 //! The USD library reads a file whole, and all samples of an attribute at once. Here it gets the tables of the crate alone, in a
 //! buffer whose other pages are never touched, and tells where the samples are. Source: OpenUSD, `pxr/usd/sdf/crateFile.h`.
 
-use crate::error::{Error, ErrorKind, codes, plain};
-use crate::files;
+use crate::codes;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usdc::CrateFile;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
 use std::path::{Path as FilePath, PathBuf};
+use tailor_mesh::error::{Error, ErrorKind, plain};
+use tailor_mesh::files;
 
 /// Bits of a value that are its place in the file.
 const PLACE: u64 = (1 << 48) - 1;
@@ -134,7 +135,7 @@ impl CrateSamples {
 
     fn fault(&self, e: &io::Error) -> Error {
         let text = format!("cannot read its frames: {}", plain(e));
-        Error::new(ErrorKind::Usd, self.path.display(), text).code(codes::usd::CACHE_FILE).remedy("cache it again")
+        Error::new(ErrorKind::Usd, self.path.display(), text).code(codes::CACHE_FILE).remedy("cache it again")
     }
 }
 

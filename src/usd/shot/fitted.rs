@@ -2,20 +2,20 @@
 
 use super::bound::{Bind, BoundPrim};
 use super::stream::type_of;
-use crate::binding::BindSurface;
-use crate::drive::BindFrames;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::Mesh;
-use crate::mesh::{Faces, IdVec, VertexId};
-use crate::trim::{TrimMode, TrimOptions};
-use crate::usd::on_large_stack;
-use crate::usd::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, is_on, prim_at, trim_path, trims};
-use crate::usd::write::off_cloth;
+use crate::on_large_stack;
+use crate::read::{FittedPoints, FittedTrim, Model, Source, TrimPrim, is_on, prim_at, trim_path, trims};
+use crate::write::off_cloth;
 use glam::{Quat, Vec3};
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Stage, TimeCode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor_costume::binding::BindSurface;
+use tailor_costume::drive::BindFrames;
+use tailor_costume::trim::{TrimMode, TrimOptions};
+use tailor_mesh::connectivity::{Faces, IdVec, VertexId};
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::Mesh;
 
 impl Source {
     /// Gives the garment other points, in the order of those that `mesh` has at `time`. They are written over its own, and its trims go
@@ -32,7 +32,9 @@ impl Source {
     ) -> Result<Warnings, Error> {
         if points.len() != mesh.points.len() {
             let text = format!("{} new points for a garment of {}", points.len(), mesh.points.len());
-            return Err(Error::usd(text).code(codes::mesh::VALUE_COUNT).remedy("give one for each of its points"));
+            return Err(Error::usd(text)
+                .code(tailor_mesh::codes::VALUE_COUNT)
+                .remedy("give one for each of its points"));
         }
         let mut fitted = FittedPoints { points, time, ..FittedPoints::default() };
         let mut warnings = Warnings::default();

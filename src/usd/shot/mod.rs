@@ -16,9 +16,8 @@ mod playback;
 mod space;
 mod stream;
 
-use crate::drive::Driver;
-use crate::error::{Error, ErrorKind, codes};
-use crate::usd::{names, on_large_stack};
+use crate::codes;
+use crate::{names, on_large_stack};
 use bound::{Bound, BoundPrim, MeshAtBind};
 use cache::{Cache, Frame};
 use conversion::Conversion;
@@ -30,6 +29,8 @@ use space::Space;
 use std::iter;
 use std::path::{Path, PathBuf};
 use stream::ShotWriter;
+use tailor_costume::drive::Driver;
+use tailor_mesh::error::{Error, ErrorKind};
 
 pub use cache::CacheFile;
 pub use conversion::{StageMetrics, UpAxis};
@@ -164,7 +165,7 @@ impl DrivenPrim {
 
 /// The bounding box of points, and of what reaches beyond them.
 fn extent(points: &[Vec3], reach: f32) -> Value {
-    let mut corners = crate::usd::write::extent(points);
+    let mut corners = crate::write::extent(points);
     if let [low, high] = &mut corners[..] {
         let grown = |corner: &Vec3f, by: f32| Vec3f::from((Vec3::from(<[f32; 3]>::from(*corner)) + by).to_array());
         (*low, *high) = (grown(low, -reach), grown(high, reach));
@@ -230,9 +231,7 @@ fn check_finite(time: f64, meshes: &[DrivenPrim], file: &Path) -> Result<(), Err
         return Ok(());
     }
     let text = format!("frame {time} moves points to places or with velocities that are not finite");
-    Err(Error::new(ErrorKind::Usd, file.display(), text)
-        .code(codes::usd::CACHE_FRAMES)
-        .remedy("cache this frame again"))
+    Err(Error::new(ErrorKind::Usd, file.display(), text).code(codes::CACHE_FRAMES).remedy("cache this frame again"))
 }
 
 /// Refuses a first frame whose edges have other lengths than at bind: its points are in another order.
@@ -247,6 +246,6 @@ fn check_first(mesh: &MeshAtBind, frame: &Frame, file: &Path) -> Result<(), Erro
         mesh.path, mesh.edge_length
     );
     Err(Error::new(ErrorKind::Usd, file.display(), text)
-        .code(codes::usd::CACHE_MISMATCH)
+        .code(codes::CACHE_MISMATCH)
         .remedy("cache the points of the simulation mesh as it was written"))
 }

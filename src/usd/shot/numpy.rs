@@ -3,12 +3,13 @@
 //! In an archive it is called `points`, or is the only array of that shape. An array `times` has the times of the frames, as floats or
 //! integers; they are numbered from 1 without it. Source: NumPy enhancement proposal 1, *A Simple File Format for NumPy Arrays*.
 
-use crate::error::{Error, ErrorKind, codes, plain};
-use crate::files;
+use crate::codes;
 use flate2::read::DeflateDecoder;
 use glam::Vec3;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::{Error, ErrorKind, plain};
+use tailor_mesh::files;
 use zip::{CompressionMethod, ZipArchive};
 
 /// Longest header of an array that is read. \[bytes\]
@@ -100,7 +101,7 @@ impl NumpyFrames {
     pub fn open(path: &Path) -> Result<Self, Error> {
         let fault = |text: String| {
             Error::new(ErrorKind::Usd, path.display(), text)
-                .code(codes::usd::CACHE_FILE)
+                .code(codes::CACHE_FILE)
                 .remedy("save it as numpy.savez(file, points=array of shape (frames, points, 3))")
         };
         let unread = |e: io::Error| fault(format!("cannot be read: {}", plain(&e)));
@@ -147,7 +148,7 @@ impl NumpyFrames {
     pub fn read(&mut self, i: usize) -> Result<Vec<Vec3>, Error> {
         let fault = |e: io::Error| {
             let text = format!("frame {} cannot be read: {}", i + 1, plain(&e));
-            Error::new(ErrorKind::Usd, self.path.display(), text).code(codes::usd::CACHE_FILE).remedy("save it again")
+            Error::new(ErrorKind::Usd, self.path.display(), text).code(codes::CACHE_FILE).remedy("save it again")
         };
         if i != self.next {
             return Err(Error::internal("NumPy frames are read in order"));

@@ -4,11 +4,11 @@ use super::bound::MeshAtBind;
 use super::cache::{Cache, CacheFile, Frame};
 use super::check_first;
 use super::conversion::{Conversion, StageMetrics};
-use crate::error::Error;
-use crate::garment::Mesh;
-use crate::usd::read::Facts;
+use crate::read::Facts;
 use glam::Vec3;
 use openusd::sdf::Path;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::Mesh;
 
 /// Time codes of a second where a cache does not say, as in USD.
 const TIME_CODES: f64 = 24.0;

@@ -1,9 +1,9 @@
 //! The space of a driven mesh in that of the simulation mesh.
 
-use crate::error::{Error, codes};
-use crate::usd::read::transforms;
+use crate::read::transforms;
 use glam::{DMat3, DMat4, DQuat, DVec3, Quat, Vec3};
 use openusd::usd::{Prim, TimeCode};
+use tailor_mesh::error::Error;
 
 /// The transform from a mesh to the simulation mesh.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +26,9 @@ impl Space {
         let from_sim = to_sim.inverse();
         if !to_sim.is_finite() || !from_sim.is_finite() {
             let text = format!("{} has a transform to the simulation mesh that flattens it", mesh.path());
-            return Err(Error::usd(text).code(codes::costume::STALE_BINDING).remedy("give it scales that are not 0"));
+            return Err(Error::usd(text)
+                .code(tailor_costume::codes::STALE_BINDING)
+                .remedy("give it scales that are not 0"));
         }
         Ok(Some(Self { to_sim, from_sim }))
     }

@@ -8,11 +8,11 @@ use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, DrivenPrim};
-use crate::error::{Error, codes};
-use crate::usd::assets::same_file;
-use crate::usd::names;
-use crate::usd::read::first_used;
-use crate::usd::write::{Format, OutputFile, Unfinished, write_crate};
+use crate::assets::same_file;
+use crate::codes;
+use crate::names;
+use crate::read::first_used;
+use crate::write::{Format, OutputFile, Unfinished, write_crate};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, Data, FieldKey, LayerOffset, Path, PrimSpec, SpecType, Value};
@@ -21,6 +21,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path as FilePath, PathBuf};
+use tailor_mesh::error::Error;
 use tempfile::NamedTempFile;
 
 /// Size of the header of a crate.
@@ -65,7 +66,7 @@ impl ShotWriter {
         let file = OutputFile::find(&options.output, is_used, options.force)?;
         if file.format == Format::Usdz {
             return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
-                .code(codes::usd::OUTPUT_PATH)
+                .code(codes::OUTPUT_PATH)
                 .remedy("write .usdc, and package it with usdzip"));
         }
         let layer = layer(options, bound, &file, times, rate)?;
@@ -196,7 +197,7 @@ fn used(options: &DriveOptions, bound: &Bound, files: &[PathBuf]) -> Result<Opti
 
 /// The error of a shot that the USD library does not write.
 pub fn unwritable(e: &impl std::fmt::Display) -> Error {
-    Error::usd(format!("the shot cannot be written: {e}")).code(codes::usd::WRITE_FAILED)
+    Error::usd(format!("the shot cannot be written: {e}")).code(codes::WRITE_FAILED)
 }
 
 /// Unbinds a mesh from its skeleton, which would move the points of the cache again: an explicit list without a target.

@@ -6,17 +6,17 @@ use super::role::SetChoice;
 use super::save::OutputFile;
 use super::trims::{BoundTrim, FittedTrims, fitted_trims};
 use super::variant::copy_into_variant;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::usd::read::{
+use crate::read::{
     FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, frozen_trim, points_name, prim_at,
     property_names, transforms, value,
 };
-use crate::usd::{names, on_large_stack};
+use crate::{names, on_large_stack};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::Path;
+use tailor_mesh::error::{Error, Warning, Warnings};
 
 /// Writes the new points of garments of one stage, and those of their trims, as a layer over it. Authored normals of garments are
 /// blocked, since they are of the old points. Of the options, `force`, `dry_run` and `record` count. Returns the trims. See
@@ -124,7 +124,9 @@ fn refer(data: &mut sdf::Data, prim: &sdf::Path) -> openusd::Result<()> {
 
 fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
     let text = format!("{}{{{}={}}} cannot be a variant: {error}", selection.prim, selection.set, selection.choice);
-    Error::usd(text).code(codes::costume::NAME_TAKEN).remedy("give the files of bodies names of letters, digits and _")
+    Error::usd(text)
+        .code(tailor_costume::codes::NAME_TAKEN)
+        .remedy("give the files of bodies names of letters, digits and _")
 }
 
 impl Author<'_> {

@@ -1,12 +1,13 @@
 //! The whole stage as one layer.
 
 use super::crates::any;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::usd::assets::{Anchor, resolved, unwritable};
-use crate::usd::read::{COMPOSITION, Model, all_prims, prim_at};
-use crate::usd::record::{Content, Depth, NO_SPLINE, Record, metadata};
+use crate::assets::{Anchor, resolved, unwritable};
+use crate::codes;
+use crate::read::{COMPOSITION, Model, all_prims, prim_at};
+use crate::record::{Content, Depth, NO_SPLINE, Record, metadata};
 use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
 use openusd::usd::{Prim, PrimPredicate, SpecSite, Stage};
+use tailor_mesh::error::{Error, Warning, Warnings};
 
 /// Metadata of the root layer that describes its composition.
 const STACK: &[FieldKey] = &[
@@ -24,8 +25,7 @@ const STACK: &[FieldKey] = &[
 /// A stage that cannot be opened again.
 pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor) -> Result<(Data, Warnings), Error> {
     let fault = |e: openusd::Error| {
-        Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()))
-            .code(codes::usd::COMPOSITION_FAILED)
+        Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display())).code(codes::COMPOSITION_FAILED)
     };
     let stage = model.origin.open()?;
     let mut paths = all_prims(&stage, &model.origin.file, PrimPredicate::ALL, true)?;

@@ -9,13 +9,14 @@ use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count}
 use super::save::{Format, OutputFile, text_of};
 use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
-use crate::error::{Error, Warnings, codes};
-use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
-use crate::usd::{BuildRecord, on_large_stack};
+use crate::assets::{Anchor, as_named, writable};
+use crate::codes;
+use crate::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
+use crate::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::{Error, Warnings};
 
 /// How products are written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -130,15 +131,15 @@ pub fn layer_bytes(
         let all = [GarmentProducts { source, products, variant: None }];
         let ((mut data, _), mut warnings) = compose(&all, frame, options)?;
         let bytes = match format {
-            Format::Usda => text_of(&data).map(String::into_bytes).map_err(|e| {
-                Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::usd::WRITE_FAILED)
-            }),
+            Format::Usda => text_of(&data)
+                .map(String::into_bytes)
+                .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::WRITE_FAILED)),
             Format::Usdc => {
                 warnings.extend(remove_unwritable(&mut data));
                 encode_plainly(&mut data)
             }
             Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
-                .code(codes::usd::OUTPUT_PATH)
+                .code(codes::OUTPUT_PATH)
                 .remedy("choose text or crate")),
         };
         Ok((bytes?, warnings))
@@ -172,7 +173,7 @@ fn compose(
     }
     if frame.flatten && garments.iter().any(|garment| garment.variant.is_some()) {
         return Err(Error::usd("a flattened stage or package has no variants")
-            .code(codes::usd::OUTPUT_PATH)
+            .code(codes::OUTPUT_PATH)
             .remedy("write .usd, .usda or .usdc, over the input"));
     }
     let stage = &garments[0].source.model;
@@ -274,7 +275,7 @@ fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
     let model = &garment.source.model.path;
     let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
     let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
-    Err(Error::usd(text).code(codes::usd::OUTPUT_PATH).remedy(remedy))
+    Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.
@@ -309,7 +310,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         if !is_ours || model.has_panel(name) || products.iter().any(|product| product.name == name) {
             let path = model.sibling_path(name).or_unreadable(&model.path)?;
             return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
-                .code(codes::costume::NAME_TAKEN)
+                .code(tailor_costume::codes::NAME_TAKEN)
                 .remedy("rename that prim, or write no physics by --physics none"));
         }
     }
@@ -317,7 +318,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         let flag = product.role.name_flag();
         if !product.name.split('/').all(sdf::Path::is_valid_identifier) {
             return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
-                .code(codes::costume::NAME_TAKEN)
+                .code(tailor_costume::codes::NAME_TAKEN)
                 .remedy("use letters, digits and _, and no digit first"));
         }
         if is_taken(model, product.sibling()) || products[..i].iter().any(|p| p.name == product.name) {
@@ -349,7 +350,7 @@ fn is_taken(model: &Model, name: &str) -> bool {
 fn taken(model: &Model, name: &str, flag: &str) -> Result<Error, Error> {
     let path = model.sibling_path(name).or_unreadable(&model.path)?;
     Ok(Error::usd(format!("{path} is taken by another prim"))
-        .code(codes::costume::NAME_TAKEN)
+        .code(tailor_costume::codes::NAME_TAKEN)
         .remedy(format!("rename that prim, or choose another name by {flag}")))
 }
 
@@ -358,8 +359,8 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let Some(other) = model.siblings.get(name).and_then(|sibling| sibling.of_other.as_deref()) else { return Ok(()) };
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
     let own = model.name().replace('/', "_");
-    let fault =
-        Error::usd(format!("{} was made from {}, which it would hide", path?, other?)).code(codes::costume::NAME_TAKEN);
+    let fault = Error::usd(format!("{} was made from {}, which it would hide", path?, other?))
+        .code(tailor_costume::codes::NAME_TAKEN);
     Err(fault
         .remedy(format!("give each garment names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
 }

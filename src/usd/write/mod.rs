@@ -8,7 +8,6 @@ mod levels;
 mod package;
 mod physics;
 mod product;
-#[cfg(feature = "preview")]
 mod recipe;
 mod role;
 mod save;
@@ -24,7 +23,6 @@ pub use layer::{
 };
 pub use physics::pose_points;
 pub use product::extent;
-#[cfg(feature = "preview")]
 pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
 pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
 pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};

@@ -1,16 +1,17 @@
 //! Packages (`.usdz`): a crate and the files that it uses.
 
 use super::crates::{encode, remove_unwritable};
-use crate::error::{Error, Warning, Warnings, codes, plain};
-use crate::files;
-use crate::usd::assets::tiles;
-use crate::usd::read::Files;
+use crate::assets::tiles;
+use crate::codes;
+use crate::read::Files;
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{AbstractData, AssetPath, Data, Value};
 use openusd::usdz::{ArchiveError, ArchiveWriter};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{io, mem};
+use tailor_mesh::error::{Error, Warning, Warnings, plain};
+use tailor_mesh::files;
 
 /// Endings of the files that a package takes: layers, images, sound, volumes, materials and light profiles. An asset path may
 /// name any file of the machine, and others have no use in a stage.
@@ -39,8 +40,7 @@ pub fn package(mut data: Data, stem: &str) -> Result<(PackageData, Warnings), Er
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
     let mut archive = ArchiveWriter::new(&mut whole);
-    let fault =
-        |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}")).code(codes::usd::WRITE_FAILED);
+    let fault = |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}")).code(codes::WRITE_FAILED);
     archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
     for (name, bytes) in &package.entries {
         archive.add_layer(name, bytes).map_err(fault)?;

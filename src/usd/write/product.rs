@@ -1,22 +1,23 @@
 //! One product as prims and properties of a layer.
 
 use super::role::{Product, ProductRole, SetChoice, sims};
-use crate::binding::Binding;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
-use crate::mesh::VertexId;
-use crate::meter;
-use crate::usd::assets::Anchor;
-use crate::usd::names::{self, UsdToken};
-use crate::usd::read::{Model, Sibling};
-use crate::usd::record::{Content, Record};
-use crate::usd::values::array;
+use crate::assets::Anchor;
+use crate::codes;
+use crate::names::{self, UsdToken};
+use crate::read::{Model, Sibling};
+use crate::record::{Content, Record};
+use crate::values::array;
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use std::collections::HashMap;
 use std::sync::Arc;
+use tailor_costume::binding::Binding;
+use tailor_mesh::connectivity::VertexId;
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
+use tailor_mesh::meter;
 
 /// Authors products in a layer.
 pub struct Author<'a> {
@@ -348,7 +349,7 @@ impl Author<'_> {
 /// The error of a layer that does not admit a name or type.
 #[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
 pub fn fault(error: openusd::Error) -> Error {
-    Error::usd(format!("the layer cannot be composed: {error}")).code(codes::usd::COMPOSITION_FAILED)
+    Error::usd(format!("the layer cannot be composed: {error}")).code(codes::COMPOSITION_FAILED)
 }
 
 /// The warning of a primvar that no file can hold.

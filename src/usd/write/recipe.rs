@@ -2,16 +2,17 @@
 
 use super::layer::{LayerContext, overlay};
 use super::save::{Format, OutputFile, text_of};
-use crate::error::{Error, codes};
-use crate::usd::read::{Files, Model, ReadOptions, Selection, Source, select};
-use crate::usd::values::decimal;
-use crate::usd::{names, on_large_stack};
+use crate::codes;
+use crate::read::{Files, Model, ReadOptions, Selection, Source, select};
+use crate::values::decimal;
+use crate::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, LayerOffset, SpecType};
 use openusd::sdf::{Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::Error;
 
 /// Key in `customLayerData` by which layers of this program are known.
 const RECIPE: &str = "recipe";
@@ -63,7 +64,7 @@ pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Re
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
         text_of(&with_short_floats(data))
-            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::usd::WRITE_FAILED))
+            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::WRITE_FAILED))
     })
 }
 
@@ -84,7 +85,7 @@ pub fn write_recipe(
     let file = OutputFile::find(out, |file| source.model.uses(file), force)?;
     if file.format == Format::Usdz {
         return Err(Error::usd(format!("{} is a package, which holds no recipe", out.display()))
-            .code(codes::usd::OUTPUT_PATH)
+            .code(codes::OUTPUT_PATH)
             .remedy("save to a .usda, .usdc or .usd file"));
     }
     on_large_stack(|| {
@@ -158,7 +159,7 @@ fn selected(data: &dyn AbstractData) -> Vec<Selection> {
 }
 
 fn fault(e: impl std::fmt::Display) -> Error {
-    Error::usd(format!("the layer cannot be composed: {e}")).code(codes::usd::COMPOSITION_FAILED)
+    Error::usd(format!("the layer cannot be composed: {e}")).code(codes::COMPOSITION_FAILED)
 }
 
 /// A layer over the garment, without opinions.
@@ -185,12 +186,12 @@ fn edited(
     let path = file.path().to_string_lossy();
     let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref()).map_err(|e| {
         Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
-            .code(codes::usd::NOT_WRITTEN_BACK)
+            .code(codes::NOT_WRITTEN_BACK)
             .remedy("save to a new file")
     })?;
     if let Some(what) = cannot_be_rewritten(layer.data()) {
         return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
-            .code(codes::usd::NOT_WRITTEN_BACK)
+            .code(codes::NOT_WRITTEN_BACK)
             .remedy("save to a new file, and sublayer it there"));
     }
     let earlier = earlier(layer.data(), &model.path, replaced.is_option);
@@ -358,7 +359,7 @@ fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
     };
     match data.spec_paths().iter().find(|path| differs(path)) {
         Some(path) => Err(Error::usd(format!("{path} in {} cannot be written back unchanged", out.display()))
-            .code(codes::usd::NOT_WRITTEN_BACK)
+            .code(codes::NOT_WRITTEN_BACK)
             .remedy("save to a new file, and sublayer it there")),
         None => Ok(()),
     }

@@ -1,13 +1,13 @@
 //! The meshes that are written, and their purposes.
 
-use crate::binding::Binding;
-use crate::cloth::Cloth;
-use crate::garment::Mesh;
-use crate::trim::TrimOptions;
-use crate::usd::names;
-use crate::usd::read::{Selection, Source};
+use crate::names;
+use crate::read::{Selection, Source};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor_costume::binding::Binding;
+use tailor_costume::cloth::Cloth;
+use tailor_costume::trim::TrimOptions;
+use tailor_mesh::garment::Mesh;
 
 /// The purpose of a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,18 +4,19 @@ use super::layer::{LayerContext, overlay};
 use super::product::Author;
 use super::role::SetChoice;
 use super::save::OutputFile;
-use crate::error::{Error, codes};
-use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
-use crate::mesh::{Elements, FaceId, IdVec, VertexId};
-use crate::usd::names::{self, UsdToken, is_drawn_material, is_material};
-use crate::usd::on_large_stack;
-use crate::usd::read::{Sewing, Source, SubsetRecord};
-use crate::usd::record::Record;
+use crate::codes;
+use crate::names::{self, UsdToken, is_drawn_material, is_material};
+use crate::on_large_stack;
+use crate::read::{Sewing, Source, SubsetRecord};
+use crate::record::Record;
 use openusd::sdf::{self, AbstractData, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
+use tailor_mesh::connectivity::{Elements, FaceId, IdVec, VertexId};
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
 
 impl Author<'_> {
     /// Authors the chosen subsets of a mesh and their families.
@@ -174,10 +175,10 @@ fn words_of(text: &str) -> Vec<&str> {
 /// Panels that are sewn together, a name that is taken or not valid, a file that may not or cannot be written.
 pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -> Result<(), Error> {
     let model = &source.model;
-    let fault = |text: String| Error::usd(text).code(codes::costume::NAME_TAKEN);
+    let fault = |text: String| Error::usd(text).code(tailor_costume::codes::NAME_TAKEN);
     if model.is_sewn() {
         let text = format!("{} is sewn of several meshes, and sets are of one", source.whole());
-        return Err(fault(text).code(codes::usd::SEVERAL_MESHES).remedy("name one of the meshes by --prim"));
+        return Err(fault(text).code(codes::SEVERAL_MESHES).remedy("name one of the meshes by --prim"));
     }
     for set in &sets {
         if !sdf::Path::is_valid_identifier(&set.name) {
@@ -197,7 +198,7 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
         let mesh = Mesh { subsets: Arc::new(sets), ..Mesh::default() };
         let fault = |e: openusd::Error| {
-            Error::usd(format!("the layer cannot be composed: {e}")).code(codes::usd::COMPOSITION_FAILED)
+            Error::usd(format!("the layer cannot be composed: {e}")).code(codes::COMPOSITION_FAILED)
         };
         sdf::PrimSpec::over(&mut data, &model.path).map_err(|e| fault(e.into()))?;
         let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::All };

@@ -1,14 +1,14 @@
 //! Writing blend shapes.
 
 use super::product::Author;
-use crate::garment::{Mesh, PrimvarRole, Values, free_name};
-use crate::usd::names;
-use crate::usd::read::BlendShape;
-use crate::usd::record::Record;
+use crate::names;
+use crate::read::BlendShape;
+use crate::record::Record;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value};
 use openusd::tf::Token;
 use std::collections::BTreeSet;
+use tailor_mesh::garment::{Mesh, PrimvarRole, Values, free_name};
 
 impl Author<'_> {
     /// Authors the blend shapes below a product, and binds it to them.

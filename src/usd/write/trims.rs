@@ -2,13 +2,14 @@
 
 use super::product::Author;
 use super::role::{GarmentProducts, sims};
-use crate::binding::BindSurface;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::Mesh;
-use crate::trim::{Ride, TrimMode, TrimOptions};
-use crate::usd::read::{FittedTrim, Model, Source, TrimPrim, is_on, trim_path, trims};
+use crate::codes;
+use crate::read::{FittedTrim, Model, Source, TrimPrim, is_on, trim_path, trims};
 use openusd::sdf::{Path, PrimSpec};
 use std::collections::BTreeMap;
+use tailor_costume::binding::BindSurface;
+use tailor_costume::trim::{Ride, TrimMode, TrimOptions};
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::Mesh;
 
 /// Largest distance of a trim from the cloth without a warning. \[sizes of the garment\]
 const FARTHEST: f32 = 0.02;
@@ -163,7 +164,7 @@ impl<'a> TrimBindings<'a> {
 pub fn off_cloth(trim: &Path, ride: &Ride, cloth: &Path, size: f32) -> Option<Warning> {
     let problem = format!("a piece of it is {:.3} mesh units away from {cloth}, on which it rides", ride.gap);
     let remedy = "Move it to the cloth, or name another garment by its option `on`";
-    let warning = Warning::new(codes::usd::TRIM_OFF_CLOTH, trim, problem).amount(ride.gap).remedy(remedy);
+    let warning = Warning::new(codes::TRIM_OFF_CLOTH, trim, problem).amount(ride.gap).remedy(remedy);
     (ride.gap > FARTHEST * size).then_some(warning)
 }
 

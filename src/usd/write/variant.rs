@@ -1,6 +1,6 @@
 //! Products of a variant: opinions inside the variant, beside those of the other variants.
 
-use crate::usd::read::Selection;
+use crate::read::Selection;
 use openusd::sdf::{self, AbstractData, CopyChildren, CopyValue, Data, FieldKey, Path, PrimSpec, Value};
 
 /// Copies what `part` says of the prim of the last one of `selections`, and of all below it, into that variant in `data`, which is

@@ -1,8 +1,8 @@
 //! Meshes of up to 500 faces: a sound shape, and then some of all that can be wrong with one.
 
 use super::choices::Choices;
-use tailor::glam::Vec3;
-use tailor::{
+use tailor_mesh::glam::Vec3;
+use tailor_mesh::{
     BoundaryInterpolation, FaceVaryingInterpolation, Family, FamilyType, Garment, Orientation, PrimvarInput, Scheme,
     SubsetInput, TriangleRule,
 };

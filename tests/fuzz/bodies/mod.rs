@@ -9,11 +9,12 @@ mod recipes;
 use choices::Choices;
 use std::path::Path;
 use std::sync::Arc;
-use tailor::error::{Error, ErrorKind};
-use tailor::recipe::{Layers, RecipeFile};
-use tailor::session::PayloadRecipe;
-use tailor::usd::{ReadOptions, Source};
-use tailor::{Builder, Elements, Garment, Mesh};
+use tailor_costume::Builder;
+use tailor_costume::recipe::{Layers, RecipeFile};
+use tailor_mesh::error::{Error, ErrorKind};
+use tailor_mesh::{Elements, Garment, Mesh};
+use tailor_usd::session::PayloadRecipe;
+use tailor_usd::{ReadOptions, Source};
 
 /// A target: its name and its body.
 pub type Target = (&'static str, fn(&[u8]));

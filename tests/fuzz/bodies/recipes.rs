@@ -1,7 +1,7 @@
 //! Recipes of a few options, with values of their type or absurd ones.
 
 use super::choices::Choices;
-use tailor::recipe::{Domain, Layers, table};
+use tailor_costume::recipe::{Domain, Layers, table};
 
 /// Numbers in the text of a recipe.
 const NUMBERS: [&str; 18] = [

@@ -1,10 +1,10 @@
 //! Collections of prims (`UsdCollectionAPI`).
 
-use crate::error::{Error, codes};
-use crate::usd::read::query::{OrUnreadable, prim_at, text_value, with_ancestors};
+use crate::read::query::{OrUnreadable, prim_at, text_value, with_ancestors};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use std::collections::HashMap;
+use tailor_mesh::error::Error;
 
 /// The text between the prim of a collection and its name, as in `/Suit.collection:props`.
 pub const COLLECTION: &str = ".collection:";
@@ -49,12 +49,12 @@ impl Collection {
         read.push(name.to_owned());
         if read.len() > MAX_COLLECTIONS {
             return Err(Error::usd(format!("{} holds more than {MAX_COLLECTIONS} collections", read[0]))
-                .code(codes::mesh::WRONG_PRIM)
+                .code(tailor_mesh::codes::WRONG_PRIM)
                 .remedy("name the prims themselves"));
         }
         let missing = || {
             Error::usd(format!("{name}: there is no such collection, or it includes nothing by path"))
-                .code(codes::mesh::WRONG_PRIM)
+                .code(tailor_mesh::codes::WRONG_PRIM)
                 .remedy(
                     "a collection is named as /Suit.collection:props, and has a relationship collection:props:includes",
                 )

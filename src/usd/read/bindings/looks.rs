@@ -1,8 +1,8 @@
 //! How materials look: the constants of their preview surfaces, and their textures of colour.
 
-use crate::usd::assets::file_path;
-use crate::usd::read::query::{prim_at, text_value, value};
-use crate::usd::values::number;
+use crate::assets::file_path;
+use crate::read::query::{prim_at, text_value, value};
+use crate::values::number;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Attribute, Prim, Stage};
 use std::collections::BTreeMap;
@@ -111,7 +111,7 @@ fn vector(value: &Value) -> Option<[f32; 3]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::usd::{ReadOptions, Source};
+    use crate::{ReadOptions, Source};
     use std::fs;
 
     /// A triangle with a material, and a set with another. `inputs` are those of the set's shader.

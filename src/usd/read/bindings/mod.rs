@@ -2,22 +2,20 @@
 //! of the stage, and has no product. `looks` says how materials look.
 
 mod collection;
-#[cfg(feature = "preview")]
 mod looks;
 
 pub use collection::{COLLECTION, Collection};
-#[cfg(feature = "preview")]
 pub use looks::{Look, looks};
 
 use super::model::Model;
 use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value, with_ancestors};
 use super::variants::varied_properties;
-use crate::error::Error;
-use crate::usd::names;
-use crate::usd::record::{Content, Record};
+use crate::names;
+use crate::record::{Content, Record};
 use openusd::sdf::{Path, Value, Variability};
 use openusd::tf::Token;
 use openusd::usd::Prim;
+use tailor_mesh::error::Error;
 
 /// Purposes of bindings: the one for all, and USD's others.
 const PURPOSES: [&str; 3] = ["", "preview", "full"];

@@ -1,14 +1,15 @@
 //! Payloads of `.tailor` files, and options below them, which nothing reads.
 
-use crate::error::{Error, Warning, codes};
-use crate::usd::read::choose::all_prims;
-use crate::usd::read::origin::{Files, StageOrigin, without_arguments};
-use crate::usd::read::query::{OrUnreadable, prim_at, property_names};
-use crate::usd::{names, on_large_stack};
+use crate::codes;
+use crate::read::choose::all_prims;
+use crate::read::origin::{Files, StageOrigin, without_arguments};
+use crate::read::query::{OrUnreadable, prim_at, property_names};
+use crate::{names, on_large_stack};
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, PayloadListOp, Value};
 use openusd::usd::{Prim, PrimPredicate};
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::{Error, Warning};
 
 /// The options of operators and fabrics, with the schema that makes a payload follow them.
 const NAMED: [(&str, &str); 3] = [("seam", "TailorSeamAPI"), ("fold", "TailorFoldAPI"), ("fabric", "TailorFabricAPI")];
@@ -74,7 +75,7 @@ impl Holder {
         {
             remedy += &format!(", with the schema {schema}:{name}");
         }
-        Warning::new(codes::usd::MISPLACED_OPTION, format!("{}.{option}", prim.path()), problem).remedy(remedy)
+        Warning::new(codes::MISPLACED_OPTION, format!("{}.{option}", prim.path()), problem).remedy(remedy)
     }
 }
 

@@ -1,17 +1,18 @@
 //! Choosing the meshes that are garments.
 
 use super::exclude::Exclusions;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::usd::names;
-use crate::usd::read::choose::{
+use crate::codes;
+use crate::names;
+use crate::read::choose::{
     all_meshes, all_prims, check_instance, instancer_of, list, named_trims, prototypes, purpose_of,
 };
-use crate::usd::read::query::{OrUnreadable, is_a, is_below_product, made_from, prim_at, value};
-use crate::usd::read::source::ReadOptions;
+use crate::read::query::{OrUnreadable, is_a, is_below_product, made_from, prim_at, value};
+use crate::read::source::ReadOptions;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::collections::HashSet;
 use std::path::Path as FilePath;
+use tailor_mesh::error::{Error, Warning, Warnings};
 
 /// Meshes that are read together. More are hardly one costume.
 const MAX_MESHES: usize = 2000;
@@ -60,14 +61,14 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
         0 => Err(none_is_a_garment(file, &below, &warnings)),
         1..=MAX_MESHES => Ok(Some((found, warnings))),
         count => Err(Error::usd(format!("{} holds {count} meshes, more than {MAX_MESHES}", file.display()))
-            .code(codes::usd::SEVERAL_MESHES)
+            .code(codes::SEVERAL_MESHES)
             .remedy("name the prim of one garment by --prim, or leave meshes out by --exclude")),
     }
 }
 
 /// The error of a stage none of whose meshes is a garment; `left_out` has the reasons for some.
 fn none_is_a_garment(file: &FilePath, meshes: &[Path], left_out: &Warnings) -> Error {
-    let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(codes::usd::NO_MESH);
+    let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(codes::NO_MESH);
     match left_out.iter().next() {
         Some(first) => fault.remedy(format!(
             "name a prototype of a PointInstancer by --prim, set instanceable = false on the prim above others, or give the \

@@ -1,12 +1,12 @@
 //! Meshes that are left out: by name, path or pattern, or by a collection of the stage (`UsdCollectionAPI`).
 
-use crate::error::{Error, codes};
-use crate::usd::read::bindings::{COLLECTION, Collection};
-use crate::usd::read::choose::{all_meshes, list};
-use crate::usd::read::query::with_ancestors;
+use crate::read::bindings::{COLLECTION, Collection};
+use crate::read::choose::{all_meshes, list};
+use crate::read::query::with_ancestors;
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use std::path::Path as FilePath;
+use tailor_mesh::error::Error;
 
 /// The meshes that `--exclude` leaves out.
 pub struct Exclusions<'a> {
@@ -37,7 +37,7 @@ impl<'a> Exclusions<'a> {
             };
             if !is_used {
                 return Err(Error::usd(format!("--exclude {name} matches no mesh of {}", file.display()))
-                    .code(codes::mesh::WRONG_PRIM)
+                    .code(tailor_mesh::codes::WRONG_PRIM)
                     .remedy(list(&meshes)));
             }
         }

@@ -1,16 +1,17 @@
 //! Meshes of cloth that lie on others, such as pockets, flaps and belts, and are attached there.
 
 use super::model::sewn;
-use crate::binding::Triangles;
-use crate::cloth::{COVERED, LOOSE_AREA};
-use crate::error::{Error, Warning, codes};
-use crate::garment::sew::{Seams, border_points, edges};
-use crate::usd::read::source::Source;
-use crate::usd::read::trims::PlacedMesh;
+use crate::codes;
+use crate::read::source::Source;
+use crate::read::trims::PlacedMesh;
 use glam::Vec3;
 use openusd::usd::{Stage, TimeCode};
 use std::cell::OnceCell;
 use std::collections::BTreeSet;
+use tailor_costume::binding::Triangles;
+use tailor_costume::cloth::{COVERED, LOOSE_AREA};
+use tailor_mesh::error::{Error, Warning};
+use tailor_mesh::garment::sew::{Seams, border_points, edges};
 
 /// Largest distance of a border from the cloth below. \[sizes of the cloth\]
 const NEAR: f32 = 0.02;
@@ -77,7 +78,7 @@ fn without_loss(joined: Result<Source, Error>, of: [&Source; 2]) -> Result<Sourc
     if let Err(fault) = &joined.recipe {
         return Err(words(fault));
     }
-    let lost = joined.warnings.iter().filter(|warning| warning.code == codes::mesh::NOT_CARRIED);
+    let lost = joined.warnings.iter().filter(|warning| warning.code == tailor_mesh::codes::NOT_CARRIED);
     let known = |warning: &&Warning| !of.iter().any(|source| source.warnings.iter().any(|own| own == *warning));
     let lost: Vec<&str> = lost.filter(known).map(|warning| warning.place.as_str()).collect();
     if lost.is_empty() { Ok(joined) } else { Err(format!("one garment of both would lack {}", lost.join(", "))) }
@@ -91,7 +92,7 @@ fn attaches(garment: &Source) -> bool {
 
 fn apart(piece: &Source, cloth: &Source, why: &str) -> Warning {
     let problem = format!("it lies on {} and is not attached to it: {why}", cloth.prim());
-    Warning::new(codes::usd::UNATTACHED, piece.prim(), problem)
+    Warning::new(codes::UNATTACHED, piece.prim(), problem)
         .remedy("Give both the same primvars and options; or set cloth.attach to false on it")
 }
 

@@ -14,16 +14,17 @@ use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
 use super::trims;
-use crate::error::{Error, Warning, codes};
-use crate::garment::sew::{Seams, Unsewn, find_seams};
-use crate::garment::{Garment, check_garment};
-use crate::mesh::{Elements, VertexId};
-use crate::meter;
-use crate::usd::on_large_stack;
+use crate::codes;
+use crate::on_large_stack;
 use glam::DMat4;
 use openusd::usd::TimeCode;
 use std::path::Path;
 use std::sync::Arc;
+use tailor_mesh::connectivity::{Elements, VertexId};
+use tailor_mesh::error::{Error, Warning};
+use tailor_mesh::garment::sew::{Seams, Unsewn, find_seams};
+use tailor_mesh::garment::{Garment, check_garment};
+use tailor_mesh::meter;
 
 impl Source {
     /// Opens all garments of a stage: those below `options.prim` if that has several meshes below it, all if `options.all`, or else
@@ -64,7 +65,7 @@ impl Source {
                 let names: Vec<&str> = garments.iter().chain(&last).map(Self::whole).collect();
                 let file = garments.first().map(|garment| garment.file().display().to_string()).unwrap_or_default();
                 Err(Error::usd(format!("{file} has {} garments, and one is wanted", names.len()))
-                    .code(codes::usd::SEVERAL_MESHES)
+                    .code(codes::SEVERAL_MESHES)
                     .remedy(format!("name one by --prim, or leave others out by --exclude: {}", names.join(", "))))
             }
         }
@@ -131,7 +132,7 @@ fn unsewn_borders(unsewn: &Unsewn, sources: &[Source], tolerance: f64) -> Warnin
         unsewn.edges[1].len()
     );
     let edges = unsewn.edges[0].iter().map(|edge| edge.map(VertexId::new)).collect();
-    Warning::new(codes::mesh::UNSEWN_BORDERS, format!("{a}, {b}"), problem)
+    Warning::new(tailor_mesh::codes::UNSEWN_BORDERS, format!("{a}, {b}"), problem)
         .at(Elements::Edges(edges))
         .remedy("Give both borders the same points, or raise --sew-tolerance")
 }

@@ -1,26 +1,25 @@
 //! Panels that are sewn together as one model.
 
 use super::recipe;
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
-use crate::garment::{Elements, Interpolation, Units};
-use crate::usd::names;
-#[cfg(feature = "preview")]
-use crate::usd::read::bindings::looks;
-use crate::usd::read::bindings::resolve_inherited;
-use crate::usd::read::facts::{material_paths, materials};
-use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
-use crate::usd::read::primvars::{Declarations, read_primvar};
-use crate::usd::read::query::prim_at;
-use crate::usd::read::recipe::add_constraint;
-use crate::usd::read::source::{PanelSeam, Source};
-use crate::usd::read::space::{Transforms, space as space_of, transforms};
-use crate::usd::record::{Content, Record};
+use crate::names;
+use crate::read::bindings::looks;
+use crate::read::bindings::resolve_inherited;
+use crate::read::facts::{material_paths, materials};
+use crate::read::model::{Model, Sewing, SubsetRecord, siblings};
+use crate::read::primvars::{Declarations, read_primvar};
+use crate::read::query::prim_at;
+use crate::read::recipe::add_constraint;
+use crate::read::source::{PanelSeam, Source};
+use crate::read::space::{Transforms, space as space_of, transforms};
+use crate::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
 use openusd::usd::{Stage, TimeCode};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::sew::{Panel, Seams, Sewn, merge, place};
+use tailor_mesh::garment::{Elements, Interpolation, Units};
 
 /// Names of panels in that of the garment.
 const NAMED: usize = 3;
@@ -121,7 +120,6 @@ pub fn sewn(
         records,
         seams,
         fitted: None,
-        #[cfg(feature = "preview")]
         looks: looks(stage, &bound),
     })
 }
@@ -144,7 +142,7 @@ fn to_space(panels: &[&Source], parent: &Path, space: DMat4) -> Result<Vec<DMat4
         let is_usable = matrix.is_finite() && matrix.determinant() != 0.0;
         is_usable.then_some(matrix).ok_or_else(|| {
             let fault = Error::usd(format!("{} has a transform to {parent} that flattens it", panel.prim()));
-            fault.code(codes::mesh::PANELS_DIFFER).remedy("give it scales that are not 0")
+            fault.code(tailor_mesh::codes::PANELS_DIFFER).remedy("give it scales that are not 0")
         })
     };
     panels.iter().map(of_panel).collect()
@@ -171,7 +169,7 @@ fn check_skinning(panels: &[&Source], to_space: &[DMat4]) -> Result<(), Error> {
         let text =
             format!("{}, {}: they are skinned and sewn together, and {what}", panels[0].prim(), panels[i].prim());
         let remedy = "bind both to the same joints, with their transforms in their points";
-        return Err(Error::usd(text).code(codes::mesh::PANELS_DIFFER).remedy(remedy));
+        return Err(Error::usd(text).code(tailor_mesh::codes::PANELS_DIFFER).remedy(remedy));
     }
     Ok(())
 }
@@ -232,12 +230,13 @@ fn moves(record: &Record, panel: &str) -> Option<Warning> {
 }
 
 /// Faces that a panel names twice as words, as the faces of the garment have other numbers.
-fn with_faces_in_words(warning: Warning) -> Warning {
-    if warning.code != codes::mesh::REPEATED_POINTS {
+fn with_faces_in_words(mut warning: Warning) -> Warning {
+    if warning.code != tailor_mesh::codes::REPEATED_POINTS {
         return warning;
     }
     let problem = format!("{}: {}", warning.elements.in_words(usize::MAX), warning.problem);
-    Warning { problem, elements: Elements::Faces(Vec::new()), ..warning }
+    (warning.problem, warning.elements) = (problem, Elements::Faces(Vec::new()));
+    warning
 }
 
 /// The records of the subsets of all panels.
@@ -255,7 +254,7 @@ fn subset_records(panels: &[&Source]) -> Result<BTreeMap<String, SubsetRecord>, 
                     known.0.prim(),
                     panel.prim()
                 );
-                let fault = Error::usd(text).code(codes::mesh::PANELS_DIFFER);
+                let fault = Error::usd(text).code(tailor_mesh::codes::PANELS_DIFFER);
                 return Err(fault.remedy("rename one of the two, or bind one material"));
             }
         }
@@ -272,7 +271,7 @@ fn move_materials(panels: &[&Source], model: &mut Model, sewn: &mut Sewn) {
         .iter()
         .map(|panel| panel.model.carried.iter().filter(|record| names::is_material(&record.name)).cloned().collect())
         .collect();
-    let has_material = |s: &&crate::garment::SubsetInput| {
+    let has_material = |s: &&tailor_mesh::garment::SubsetInput| {
         let records = model.subsets.get(&s.name).map_or(&[][..], |record| &record.carried);
         s.element_type == "face" && records.iter().any(|record| names::is_material(&record.name) && record.has_value())
     };
@@ -292,9 +291,14 @@ fn move_materials(panels: &[&Source], model: &mut Model, sewn: &mut Sewn) {
             continue;
         } else {
             let is_taken = |name: &str| sewn.mesh.subsets.iter().any(|subset| subset.name == name);
-            let name = crate::garment::free_name(&format!("{set}_material"), is_taken);
+            let name = tailor_mesh::garment::free_name(&format!("{set}_material"), is_taken);
             let family = names::MATERIAL_FAMILY.to_owned();
-            sewn.mesh.subsets.push(crate::garment::SubsetInput { name: name.clone(), indices: rest, family, ..own });
+            sewn.mesh.subsets.push(tailor_mesh::garment::SubsetInput {
+                name: name.clone(),
+                indices: rest,
+                family,
+                ..own
+            });
             name
         };
         let applied = vec![openusd::tf::Token::from(names::MATERIAL_BINDING_API)];

@@ -1,9 +1,9 @@
 //! The names of products.
 
-use crate::garment::free_name;
-use crate::usd::names::{LOD, RENDER};
-use crate::usd::read::Source;
+use crate::names::{LOD, RENDER};
+use crate::read::Source;
 use std::collections::HashSet;
+use tailor_mesh::garment::free_name;
 
 /// How levels of detail are in a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

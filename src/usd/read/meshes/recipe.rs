@@ -1,7 +1,7 @@
 //! The options of several panels as those of one garment.
 
-use crate::error::{Error, codes};
 use serde_json::{Map, Value};
+use tailor_mesh::error::Error;
 
 /// Options that list sets of elements: panels share the sets, and so the lists.
 const LISTS_OF_SETS: &[&str] = &["constraints", "pins", "edges", "faces"];
@@ -29,7 +29,7 @@ pub fn merge(panels: &[(&str, Map<String, Value>)]) -> Result<Map<String, Value>
                         "they are parts of one garment, and {attribute} is {earlier} on one and {now} on the other"
                     ),
                 )
-                .code(codes::mesh::PANELS_DIFFER)
+                .code(tailor_mesh::codes::PANELS_DIFFER)
                 .remedy("give both the same value, or author it on one of them alone")
             })?;
         }

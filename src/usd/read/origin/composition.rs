@@ -2,12 +2,13 @@
 //! references leads to a prim with two references, and so on, they double with each level.
 
 use super::resolver::{ARGUMENTS, Files, package_file};
-use crate::error::{Error, codes};
+use crate::codes;
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, Layer, Value, default_prim_path};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs;
 use std::path::Path;
+use tailor_mesh::error::Error;
 
 /// Arcs of one prim, with those of the prims that they lead to. The USD library takes time that grows with their square.
 const MOST_ARCS: usize = 2000;
@@ -44,7 +45,7 @@ pub fn check_arcs(file: &str) -> Result<(), Error> {
 
 fn too_many(file: &str, path: &sdf::Path) -> Error {
     Error::usd(format!("{path} in {file} has more than {MOST_ARCS} references, with those of the prims that it refers to"))
-        .code(codes::usd::COMPOSITION_FAILED)
+        .code(codes::COMPOSITION_FAILED)
         .remedy("prims with several references to prims that have several themselves multiply: refer to each prim once, or flatten the file that they lead to")
 }
 
@@ -163,8 +164,8 @@ impl Arcs {
         let (data, root) = (layer.data(), sdf::Path::abs_root());
         let field = |path: &sdf::Path, key: FieldKey| data.try_field(path, key.as_str()).ok().flatten();
         if stack.file == identifier {
-            let token = field(&root, FieldKey::DefaultPrim)
-                .and_then(|value| crate::usd::values::text(&value).map(str::to_owned));
+            let token =
+                field(&root, FieldKey::DefaultPrim).and_then(|value| crate::values::text(&value).map(str::to_owned));
             stack.default_prim = token.and_then(|token| default_prim_path(&token));
         }
         for path in data.spec_paths() {

@@ -1,11 +1,11 @@
 //! The content of each file of a stage, as it was first read: a file that another program replaces must not mix two versions.
 
-use crate::files::{metadata, read};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
+use tailor_mesh::files::{metadata, read};
 
 /// Words of the error of a file with another content than before.
 pub const CHANGED: &str = "it was written to while it was read";

@@ -1,15 +1,15 @@
 //! The files that a stage uses under any selection of variants, so that none of them is written over.
 
 use super::resolver::{ARGUMENTS, Files, package_file};
-use crate::error::Error;
-use crate::usd::assets::{Identity, as_named, frames, normalized, tiles};
-use crate::usd::names;
-use crate::usd::on_large_stack;
-use crate::usd::values::text;
+use crate::assets::{Identity, as_named, frames, normalized, tiles};
+use crate::names;
+use crate::on_large_stack;
+use crate::values::text;
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, AbstractData, FieldKey, Layer, Value};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::Error;
 
 /// Layers that are opened for one stage. More take minutes.
 const MAX_LAYERS: usize = 10_000;

@@ -12,9 +12,8 @@ pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
 use super::variants::{SESSION, Selection, session_layer};
-use crate::error::{Error, codes, plain};
-use crate::files::{read, require_file};
-use crate::usd::assets::as_named;
+use crate::assets::as_named;
+use crate::codes;
 use content::CHANGED;
 use openusd::ar;
 use openusd::usd::Stage;
@@ -23,6 +22,8 @@ use std::fs;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor_mesh::error::{Error, plain};
+use tailor_mesh::files::{read, require_file};
 
 /// The file or bytes from which a stage is opened.
 #[derive(Clone, Debug)]
@@ -61,7 +62,7 @@ impl StageOrigin {
     pub fn check_unchanged(&self) -> Result<(), Error> {
         match self.read.changed() {
             Some(file) => Err(Error::usd(format!("cannot read {}: {CHANGED}", file.display()))
-                .code(codes::usd::UNREADABLE_FILE)
+                .code(codes::UNREADABLE_FILE)
                 .remedy("run again when the program that writes it has ended")),
             None => Ok(()),
         }
@@ -84,7 +85,7 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     Stage::builder().resolver(InMemory::new(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
         let words = e.to_string();
         Error::usd(format!("{} cannot be read once composed: {}", file.display(), words.trim_start_matches("error: ")))
-            .code(codes::usd::COMPOSITION_FAILED)
+            .code(codes::COMPOSITION_FAILED)
             .remedy("flatten it with another program and name the result instead")
     })
 }
@@ -145,18 +146,18 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
     let shown = file.display();
     let unreadable = |e: io::Error| {
         Error::usd(format!("cannot read {shown}: {}", plain(&e)))
-            .code(codes::usd::UNREADABLE_FILE)
+            .code(codes::UNREADABLE_FILE)
             .remedy("check the path, and who may read the file")
     };
     if file.is_dir() {
         return Err(Error::usd(format!("{shown} is a folder, not a USD file"))
-            .code(codes::usd::UNREADABLE_FILE)
+            .code(codes::UNREADABLE_FILE)
             .remedy("name a file inside it"));
     }
     require_file(file).map_err(unreadable)?;
     if fs::metadata(file).map_err(unreadable)?.len() == 0 {
         return Err(Error::usd(format!("{shown} is empty"))
-            .code(codes::usd::UNREADABLE_FILE)
+            .code(codes::UNREADABLE_FILE)
             .remedy("export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
@@ -164,12 +165,12 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
         return Err(Error::usd(format!(
             "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
         ))
-        .code(codes::usd::UNREADABLE_FILE)
+        .code(codes::UNREADABLE_FILE)
         .remedy("export the garment as USD"));
     }
     if file.to_str().is_none() {
         return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8"))
-            .code(codes::usd::UNREADABLE_FILE)
+            .code(codes::UNREADABLE_FILE)
             .remedy("rename the file"));
     }
     // The file that the system finds, whatever the text of its path would be without links.
@@ -192,7 +193,7 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
 fn not_usd(file: &Path, words: &str) -> Error {
     let words = words.trim_start_matches("error: ").trim_end();
     let fault = Error::usd(format!("{} cannot be read as USD: {words}", file.display()));
-    let unsupported = |remedy: &str| fault.clone().code(codes::usd::NOT_SUPPORTED).remedy(remedy);
+    let unsupported = |remedy: &str| fault.clone().code(codes::NOT_SUPPORTED).remedy(remedy);
     let content = read(file).unwrap_or_default();
     if content.starts_with("\u{feff}".as_bytes()) {
         fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")

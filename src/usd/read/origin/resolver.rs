@@ -2,8 +2,7 @@
 
 use super::content::ReadFiles;
 use super::text::{Readable, Refused, readable};
-use crate::files::{read, require_file, require_memory};
-use crate::usd::assets::{BY_CONTENT, file_path, normalized, same_file};
+use crate::assets::{BY_CONTENT, file_path, normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use openusd::sdf::FileFormat;
 use openusd::usdz::UsdzFileFormat;
@@ -13,6 +12,7 @@ use std::collections::HashMap;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor_mesh::files::{read, require_file, require_memory};
 
 /// Begin of a layer that is text.
 const TEXT: &[u8] = b"#usda";

@@ -1,14 +1,14 @@
 //! The size of the unit of a mesh.
 
 use super::xform::transforms;
-use crate::error::Error;
-use crate::garment::{StageSpace, Units};
-use crate::usd::names;
-use crate::usd::read::query::{OrUnreadable, primvar_names, value};
+use crate::names;
+use crate::read::query::{OrUnreadable, primvar_names, value};
 use glam::{DMat3, DMat4};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::collections::BTreeMap;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{StageSpace, Units};
 
 /// The units of the mesh `prim` at `time`.
 ///

@@ -1,12 +1,13 @@
 //! Transforms of prims, from their ops.
 
-use crate::error::{Error, codes};
-use crate::usd::read::origin::StageOrigin;
-use crate::usd::read::query::{OrUnreadable, prim_at, value};
-use crate::usd::{names, on_large_stack};
+use crate::codes;
+use crate::read::origin::StageOrigin;
+use crate::read::query::{OrUnreadable, prim_at, value};
+use crate::{names, on_large_stack};
 use glam::{DMat4, DQuat, DVec3};
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, TimeCode};
+use tailor_mesh::error::Error;
 
 /// Resets the transform of ancestors, as an entry of `xformOpOrder`.
 const RESET: &str = "!resetXformStack!";
@@ -45,7 +46,7 @@ pub fn transforms(prim: &Prim, time: Option<TimeCode>) -> Result<Transforms, Err
 /// # Errors
 /// A prim that the stage lacks.
 pub fn world_of(origin: &StageOrigin, target: &str) -> Result<(Path, DMat4), Error> {
-    let fault = |text: &str| Error::recipe("cloth.pinTarget", format!("{target} {text}")).code(codes::usd::PIN_TARGET);
+    let fault = |text: &str| Error::recipe("cloth.pinTarget", format!("{target} {text}")).code(codes::PIN_TARGET);
     let path = Path::new(target).map_err(|_| fault("is not a prim path").remedy("write it as /Body/hips"))?;
     on_large_stack(|| {
         let stage = origin.open()?;

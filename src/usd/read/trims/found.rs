@@ -1,17 +1,17 @@
 //! Meshes that are too small or too thick to be cloth, and become trims.
 
-use crate::binding::Triangles;
-use crate::error::Error;
-use crate::garment::Garment;
-use crate::trim::{Stiffness, TrimShape, faces};
-use crate::usd::names;
-use crate::usd::read::query::{prim_at, property_names};
-use crate::usd::read::source::Source;
+use crate::names;
+use crate::read::query::{prim_at, property_names};
+use crate::read::source::Source;
 use glam::{DMat4, Vec3};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
 use serde_json::{Map, Value as Json, json};
 use std::iter;
+use tailor_costume::binding::Triangles;
+use tailor_costume::trim::{Stiffness, TrimShape, faces};
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::Garment;
 
 /// The name of the options of the trims that are found.
 const FOUND: &str = "found";

@@ -4,19 +4,20 @@ mod found;
 
 pub use found::{PlacedMesh, take};
 
-use crate::error::{Error, Warning, Warnings, codes};
-use crate::trim::{Ride, TrimOptions, TrimShape};
-use crate::usd::read::choose::{check_instance, prims_below};
-use crate::usd::read::model::Model;
-use crate::usd::read::query::{OrUnreadable, is_below_product, prim_at, value};
-use crate::usd::read::source::Source;
-use crate::usd::read::space::transforms;
-use crate::usd::{names, on_large_stack};
+use crate::codes;
+use crate::read::choose::{check_instance, prims_below};
+use crate::read::model::Model;
+use crate::read::query::{OrUnreadable, is_below_product, prim_at, value};
+use crate::read::source::Source;
+use crate::read::space::transforms;
+use crate::{names, on_large_stack};
 use glam::{DMat4, Vec3};
 use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path as FilePath;
+use tailor_costume::trim::{Ride, TrimOptions, TrimShape};
+use tailor_mesh::error::{Error, Warning, Warnings};
 
 /// Types of curves, which have the numbers of their points in `curveVertexCounts`.
 const CURVES: [&str; 3] = ["BasisCurves", "NurbsCurves", "HermiteCurves"];
@@ -80,7 +81,7 @@ pub fn trims(
     root: &Path,
     time: Option<TimeCode>,
 ) -> Result<(Vec<TrimPrim>, Warnings), Error> {
-    let fault = |text: String| Error::recipe(key, text).code(codes::mesh::WRONG_PRIM);
+    let fault = |text: String| Error::recipe(key, text).code(tailor_mesh::codes::WRONG_PRIM);
     if !prim_at(stage, root)?.is_valid().or_unreadable(root)? {
         let text = format!("{root} is not a prim of {}", file.display());
         return Err(fault(text).remedy("name a mesh, curves, points or a PointInstancer of the stage"));
@@ -173,7 +174,7 @@ pub fn trim_path(model: &Model, key: &str, named: &str) -> Result<Path, Error> {
     let root = Path::new(named).ok().filter(Path::is_abs).or_else(|| relative().ok()).unwrap_or(beside.clone());
     match model.panels.iter().find(|panel| panel.has_prefix(&root)) {
         Some(panel) => Err(Error::recipe(key, format!("{root} has {panel}, the garment itself"))
-            .code(codes::mesh::WRONG_PRIM)
+            .code(tailor_mesh::codes::WRONG_PRIM)
             .remedy("name what rides on it")),
         None => Ok(root),
     }
@@ -207,14 +208,16 @@ impl TrimPrim {
             _ => Vec::new(),
         };
         if let Some(at) = points.iter().position(|point| !point.is_finite()) {
-            return Err(Error::usd(format!("{}: point {at} is not finite", prim.path())).code(codes::mesh::NOT_FINITE));
+            return Err(
+                Error::usd(format!("{}: point {at} is not finite", prim.path())).code(tailor_mesh::codes::NOT_FINITE)
+            );
         }
         let kind = type_of(prim)?;
         let shape = if kind == names::MESH {
             let (counts, corners) = (sizes(prim, names::FACE_VERTEX_COUNTS)?, sizes(prim, names::FACE_VERTEX_INDICES)?);
             if let Some(corner) = corners.iter().position(|&vertex| vertex >= points.len()) {
                 let text = format!("{}: corner {corner} names a point beyond its {}", prim.path(), points.len());
-                return Err(Error::usd(text).code(codes::mesh::INDEX_OUT_OF_RANGE));
+                return Err(Error::usd(text).code(tailor_mesh::codes::INDEX_OUT_OF_RANGE));
             }
             let corners: Vec<u32> = corners.into_iter().map(|vertex| vertex as u32).collect();
             TrimShape::of_mesh(points, &counts, &corners)
@@ -231,9 +234,9 @@ impl TrimPrim {
 
 /// The error of points that cannot be read, where it is that they have no value without a time: the bind pose has none.
 fn without_time(error: &Error) -> Error {
-    if error.faults.iter().any(|fault| fault.code == codes::usd::NO_DEFAULT_VALUE) {
+    if error.faults.iter().any(|fault| fault.code == codes::NO_DEFAULT_VALUE) {
         return Error::usd("its points have values at times alone, and none for the bind pose")
-            .code(codes::usd::NO_DEFAULT_VALUE)
+            .code(codes::NO_DEFAULT_VALUE)
             .remedy("author the points of the bind pose without a time");
     }
     error.clone()

@@ -6,10 +6,11 @@
 //! (the layout of the file).
 
 use super::encode;
-use crate::error::{Error, codes};
+use crate::codes;
 use openusd::sdf::{AbstractData, Data, Value};
 use std::collections::BTreeSet;
 use std::mem;
+use tailor_mesh::error::Error;
 
 /// Length from which arrays are long. The writer compresses arrays of 16 numbers or more; stand-ins have 4.
 const LONG: usize = 256;
@@ -27,7 +28,7 @@ pub fn encode_plainly(data: &mut Data) -> Result<Vec<u8>, Error> {
     if arrays.is_empty() {
         return Ok(bytes);
     }
-    put_back(bytes, &arrays, salt).ok_or_else(|| Error::usd(UNEXPECTED).code(codes::usd::WRITE_FAILED))
+    put_back(bytes, &arrays, salt).ok_or_else(|| Error::usd(UNEXPECTED).code(codes::WRITE_FAILED))
 }
 
 /// Replaces the long arrays of `data` by stand-ins `[salt, index, 0, 0]`; returns the arrays and the salt, which no other

@@ -4,10 +4,11 @@ mod long_arrays;
 
 pub use long_arrays::encode_plainly;
 
-use crate::error::{Error, Warning, Warnings, codes};
+use crate::codes;
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
+use tailor_mesh::error::{Error, Warning, Warnings};
 
 /// Position of the minor version in a crate.
 const MINOR_VERSION: u64 = 9;
@@ -38,9 +39,8 @@ pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), Form
 /// A value that a crate cannot hold.
 pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    write_crate(data, &mut out).map_err(|e| {
-        Error::usd(format!("the layer cannot be written as a crate: {e}")).code(codes::usd::WRITE_FAILED)
-    })?;
+    write_crate(data, &mut out)
+        .map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")).code(codes::WRITE_FAILED))?;
     Ok(out.into_inner())
 }
 

@@ -16,13 +16,13 @@
 use super::physics::beside;
 use super::product::{Author, extent, fault};
 use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
-use crate::error::{Error, Warnings, codes};
-use crate::garment::Mesh;
-use crate::usd::names;
-use crate::usd::read::{LodSchema, Model, OrUnreadable, Selection, Sibling, level_name, select};
+use crate::names;
+use crate::read::{LodSchema, Model, OrUnreadable, Selection, Sibling, level_name, select};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData as _, Path, PrimSpec, SpecType, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
+use tailor_mesh::error::{Error, Warnings};
+use tailor_mesh::garment::Mesh;
 
 /// Name of the prim that says which level is drawn.
 pub const HEURISTIC: &str = "lod";
@@ -50,7 +50,8 @@ pub fn level_variants(model: &Model, products: &[Product], schema: LodSchema) ->
 pub fn check_levels(garment: &GarmentProducts, all: &[GarmentProducts], schema: LodSchema) -> Result<(), Error> {
     let (model, products) = (&garment.source.model, garment.products);
     let count = level_count(products);
-    let refused = |text: String, remedy: &str| Err(Error::usd(text).code(codes::costume::NAME_TAKEN).remedy(remedy));
+    let refused =
+        |text: String, remedy: &str| Err(Error::usd(text).code(tailor_costume::codes::NAME_TAKEN).remedy(remedy));
     let is_level = |(name, sibling): (&String, &Sibling)| sibling.product && name.ends_with(&level_name(1));
     if model.siblings.iter().any(is_level) {
         let text = format!("{} has levels of detail of an earlier build, which would stay", model.path);

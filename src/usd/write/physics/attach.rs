@@ -2,12 +2,12 @@
 
 use super::Physics;
 use super::dialect::Dialect;
-use crate::mesh::VertexId;
-use crate::usd::names;
-use crate::usd::write::product::Author;
+use crate::names;
+use crate::write::product::Author;
 use glam::{DMat4, Vec3};
 use openusd::gf::Vec3f;
 use openusd::sdf::{AbstractData, Path, Value, ValueTypeName, Variability};
+use tailor_mesh::connectivity::VertexId;
 
 impl Author<'_> {
     /// Pins to a prim, or to a rigid body of their own that a joint holds to the world.
@@ -126,7 +126,7 @@ impl Author<'_> {
         let groups = pairs.chunk_by(|a, b| a[0] == b[0]);
         let counts: [Vec<i32>; 2] =
             [groups.clone().map(|_| 1).collect(), groups.clone().map(|g| g.len() as i32).collect()];
-        let index = |pair: &[crate::mesh::FaceId; 2], k: usize| pair[k].index() as i32;
+        let index = |pair: &[tailor_mesh::connectivity::FaceId; 2], k: usize| pair[k].index() as i32;
         let indices: [Vec<i32>; 2] =
             [groups.map(|g| index(&g[0], 0)).collect(), pairs.iter().map(|pair| index(pair, 1)).collect()];
         for (k, (counts, indices)) in counts.into_iter().zip(indices).enumerate() {

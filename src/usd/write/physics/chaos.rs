@@ -2,11 +2,11 @@
 //! fabric for each.
 
 use super::{BoundRender, Physics};
-use crate::cloth::ClothOptions;
-use crate::mesh::FaceId;
-use crate::usd::names;
-use crate::usd::write::product::Author;
+use crate::names;
+use crate::write::product::Author;
 use openusd::sdf::{Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
+use tailor_costume::cloth::ClothOptions;
+use tailor_mesh::connectivity::FaceId;
 
 /// Family of the panels.
 const PATTERN: &str = ClothOptions::PATTERN;

@@ -21,18 +21,19 @@ mod dialect;
 
 use super::product::Author;
 use super::role::{Product, ProductRole};
-use crate::binding::Binding;
-use crate::cloth::{Cloth, FABRICS, Fabric};
-use crate::error::{Error, Warning, codes};
-use crate::garment::Mesh;
-use crate::mesh::FaceId;
-use crate::usd::names;
-use crate::usd::read::world_of;
+use crate::codes;
+use crate::names;
+use crate::read::world_of;
 use dialect::{DIALECTS, Dialect};
 use glam::{DMat4, Vec3};
 use openusd::gf::{Vec2i, Vec3f, Vec3i};
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
+use tailor_costume::binding::Binding;
+use tailor_costume::cloth::{Cloth, FABRICS, Fabric};
+use tailor_mesh::connectivity::FaceId;
+use tailor_mesh::error::{Error, Warning};
+use tailor_mesh::garment::Mesh;
 
 /// Name of the scope.
 pub const SCOPE: &str = "physics";
@@ -80,9 +81,8 @@ impl Author<'_> {
     /// # Errors
     /// A prim to pin to that the stage lacks; a name or type that the layer does not admit.
     pub fn physics(&mut self, products: &[Product]) -> Result<Option<Warning>, Error> {
-        let fault = |e: openusd::Error| {
-            Error::usd(format!("the physics cannot be written: {e}")).code(codes::usd::WRITE_FAILED)
-        };
+        let fault =
+            |e: openusd::Error| Error::usd(format!("the physics cannot be written: {e}")).code(codes::WRITE_FAILED);
         let path = |name: &str| self.model.sibling_path(name).map_err(|e| fault(e.into()));
         let sim = products.iter().find(|product| product.role == ProductRole::Sim);
         let Some((product, cloth)) = sim.and_then(|product| Some((product, product.cloth?))) else {
@@ -397,7 +397,7 @@ impl Physics<'_> {
         let fabrics: Vec<String> = self.cloth.fabrics.iter().map(|named| named.name.clone()).collect();
         let problem = "aousd and omni take one material for a mesh: stretch, shear, bend and friction are means by area; \
                        aousd has thickness and mass for each face";
-        let warning = Warning::of_sets(codes::usd::MEAN_FABRIC, fabrics, problem.to_owned());
+        let warning = Warning::of_sets(codes::MEAN_FABRIC, fabrics, problem.to_owned());
         warning.remedy("Model parts of other fabrics as meshes of their own, where that matters")
     }
 }

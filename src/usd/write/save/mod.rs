@@ -9,13 +9,14 @@ pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, wr
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
-use crate::error::{Error, ErrorCode, Warnings, codes, plain};
-use crate::files::folder_of;
-use crate::usd::assets::{Anchor, as_named, writable};
+use crate::assets::{Anchor, as_named, writable};
+use crate::codes;
 use openusd::sdf::{Data, FormatError};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use tailor_mesh::error::{Error, ErrorCode, Warnings, plain};
+use tailor_mesh::files::folder_of;
 use tempfile::NamedTempFile;
 use text::write_text;
 
@@ -42,7 +43,7 @@ impl Format {
             "usd" | "usdc" => Ok(Self::Usdc),
             "usdz" => Ok(Self::Usdz),
             _ => Err(Error::usd(format!("{} does not end in .usd, .usda, .usdc or .usdz", file.display()))
-                .code(codes::usd::OUTPUT_PATH)
+                .code(codes::OUTPUT_PATH)
                 .remedy("the name of the output decides its format")),
         }
     }
@@ -81,21 +82,21 @@ impl OutputFile {
         if let Ok(there) = fs::metadata(&file) {
             if is_used(&file)? {
                 let remedy = "write to another file; the input is never changed";
-                return fault(codes::usd::OUTPUT_IS_INPUT, "is the input, or a file that the input uses", remedy);
+                return fault(codes::OUTPUT_IS_INPUT, "is the input, or a file that the input uses", remedy);
             }
             if !there.is_file() {
-                return fault(codes::usd::OUTPUT_PATH, "is not a file", "choose another output");
+                return fault(codes::OUTPUT_PATH, "is not a file", "choose another output");
             }
             if !force {
                 return Err(exists_already(&shown));
             }
         } else if out.is_symlink() {
             let remedy = "remove the link, or name the file itself";
-            return fault(codes::usd::OUTPUT_PATH, "is a link to a file that does not exist", remedy);
+            return fault(codes::OUTPUT_PATH, "is a link to a file that does not exist", remedy);
         }
         let real_folder = folder_of(&file).canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
             Error::usd(format!("cannot write {shown}: there is no folder {}", folder_of(&file).display()))
-                .code(codes::usd::OUTPUT_PATH)
+                .code(codes::OUTPUT_PATH)
                 .remedy("create the folder first")
         })?;
         let named = PathBuf::from(as_named(out)?);
@@ -105,13 +106,11 @@ impl OutputFile {
     }
 
     /// True if there is a file already.
-    #[cfg(feature = "preview")]
     pub fn exists(&self) -> bool {
         self.file.exists()
     }
 
     /// Its path, without links.
-    #[cfg(feature = "preview")]
     pub fn path(&self) -> &Path {
         &self.file
     }
@@ -167,7 +166,7 @@ impl OutputFile {
 
     /// The error of a value that the format cannot hold.
     fn unfit(&self, e: &FormatError) -> Error {
-        Error::usd(format!("cannot write {}: {e}", self.shown)).code(codes::usd::WRITE_FAILED)
+        Error::usd(format!("cannot write {}: {e}", self.shown)).code(codes::WRITE_FAILED)
     }
 
     /// Lets `fill` write a temporary file in the folder and `verify` look at it, and renames it to the output.
@@ -210,7 +209,7 @@ impl OutputFile {
     /// The error of a write that failed.
     pub fn fault(&self, e: &io::Error) -> Error {
         Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
-            .code(codes::usd::WRITE_FAILED)
+            .code(codes::WRITE_FAILED)
             .remedy("check the folder's permissions and the space on its disk")
     }
 
@@ -234,5 +233,5 @@ impl OutputFile {
 }
 
 fn exists_already(shown: &str) -> Error {
-    Error::usd(format!("{shown} exists already")).code(codes::usd::OUTPUT_EXISTS).remedy("use --force to overwrite it")
+    Error::usd(format!("{shown} exists already")).code(codes::OUTPUT_EXISTS).remedy("use --force to overwrite it")
 }

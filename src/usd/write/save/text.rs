@@ -4,7 +4,7 @@
 //! as the same value, as OpenUSD writes it. Dictionaries are indented as OpenUSD does.
 
 use super::indent::Indented;
-use crate::usd::write::crates::any;
+use crate::write::crates::any;
 use bytemuck::cast_slice;
 use openusd::sdf::{Data, FormatError, Value};
 use openusd::usda::TextWriter;

@@ -3,12 +3,12 @@
 //! A program that a signal ends drops nothing, so that temporary files would stay. All that exist are therefore on a list
 //! of the process, by which [`remove_unfinished`] removes them.
 
-use crate::files::{self, folder_of};
 use std::fs;
 use std::io::{self, Write};
 use std::ops::{Deref, DerefMut};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use tailor_mesh::files::{self, folder_of};
 use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// The temporary files and folders of this process. It is locked while one is made, named or removed.

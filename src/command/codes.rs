@@ -1,0 +1,20 @@
+//! The codes of the command.
+
+use tailor_mesh::declare_codes;
+
+declare_codes! {
+    errors {
+        /// No garment is named.
+        NO_INPUT = "no-input";
+        /// The output is not what a build would make of the files as they are now.
+        STALE_OUTPUT = "stale-output";
+    }
+    faults {
+    }
+    quality {
+    }
+    notes {
+        /// Fewer threads are started than asked for.
+        THREADS_CAPPED = "threads-capped";
+    }
+}

@@ -1,0 +1,173 @@
+//! How well a garment fits.
+
+use super::bound::BoundPoints;
+use super::contacts::Contact;
+use super::crossings::{CrossingFaces, Crossings};
+use super::path::Path;
+use glam::DVec3;
+use serde::Serialize;
+use tailor_mesh::garment::Mesh;
+
+/// Change of an edge's length, against that of the body around it, up to which it counts as kept.
+const KEPT: f64 = 0.15;
+
+/// How well a garment fits another body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct FitFigures {
+    /// Points that were moved.
+    pub points: usize,
+    /// Faces that cross the body.
+    pub body_crossings: CrossingCount,
+    /// Pairs of faces that cross each other.
+    pub own_crossings: CrossingCount,
+    /// Distances from the body. \[mesh units\]
+    pub distance: BodyDistance,
+    /// Share of the edges that changed their lengths by at most 15 % more or less than the body around them, along them.
+    pub edges_kept: f64,
+    /// The least, the mean and the largest length of edges, as a share of that before.
+    pub lengths: [f64; 3],
+    /// The mean change of the angles of faces, and that which 95 % of them do not pass. \[degrees\]
+    pub angles: [f64; 2],
+    /// The lengths of sets.
+    pub sets: Vec<SetLengths>,
+}
+
+/// What crosses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct CrossingCount {
+    /// On the body that the garment was made for.
+    pub before: usize,
+    /// On the other body.
+    pub after: usize,
+    /// Of these, those that did not cross before.
+    pub new: usize,
+}
+
+/// Distances from a body before and after. \[mesh units\]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct BodyDistance {
+    /// The least distance of faces that do not cross the body; none if all are far from it.
+    pub least: [Option<f64>; 2],
+    /// The mean distance of the points.
+    pub mean: [f64; 2],
+}
+
+/// The edges of a set.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SetLengths {
+    /// Its name.
+    pub name: String,
+    /// Their length after, as a share of that before.
+    pub length: f64,
+    /// The change of the body along them.
+    pub body: f64,
+}
+
+/// A garment on the second body.
+pub(super) struct Ending<'a> {
+    pub points: Vec<DVec3>,
+    pub bound: BoundPoints<'a>,
+    pub crossings: CrossingFaces,
+}
+
+impl<'a> Ending<'a> {
+    pub fn new(path: &Path<'a>, points: Vec<DVec3>) -> Self {
+        let to = &path.bodies.to;
+        let crossings = Crossings::of(path.cage, &points, path.bodies, to).faces(path.cage);
+        Self { bound: BoundPoints::new(path.bodies, to, &points), crossings, points }
+    }
+}
+
+impl FitFigures {
+    pub(super) fn new(mesh: &Mesh, path: &Path, end: &Ending) -> Self {
+        let (cage, before, after) = (path.cage, &path.clearance.start, &end.crossings);
+        let (to, points) = (&path.bodies.to, &end.points);
+        let mean = |bound: &BoundPoints| bound.distances().sum::<f64>() / points.len().max(1) as f64;
+        let least = |points: &[DVec3], shape: &[DVec3]| {
+            let [with_body, _] = path.clearance.contacts(&[points, shape].concat(), 1.0);
+            with_body.iter().map(|contact: &Contact| contact.distance).reduce(f64::min)
+        };
+        let lengths = Lengths::new(path, points);
+        let ratios = || lengths.before.iter().zip(&lengths.after).filter(|(b, _)| **b > 0.0).map(|(b, a)| a / b);
+        Self {
+            points: points.len(),
+            body_crossings: CrossingCount {
+                before: before.body.len(),
+                after: after.body.len(),
+                new: after.body.difference(&before.body).count(),
+            },
+            own_crossings: CrossingCount {
+                before: before.own.len(),
+                after: after.own.len(),
+                new: after.own.difference(&before.own).count(),
+            },
+            distance: BodyDistance {
+                least: [least(path.rest, &path.bodies.from), least(points, to)],
+                mean: [mean(&path.bound), mean(&end.bound)],
+            },
+            edges_kept: lengths.kept(),
+            lengths: [
+                ratios().reduce(f64::min).unwrap_or(1.0),
+                ratios().sum::<f64>() / ratios().count().max(1) as f64,
+                ratios().reduce(f64::max).unwrap_or(1.0),
+            ],
+            angles: angles(mesh, path.rest, points),
+            sets: mesh
+                .subsets
+                .iter()
+                .filter_map(|set| lengths.of_set(&set.name, &cage.edges_in(&set.elements)))
+                .collect(),
+        }
+    }
+}
+
+/// The lengths of the edges of a cage.
+struct Lengths {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    /// As the body asks.
+    wanted: Vec<f64>,
+}
+
+impl Lengths {
+    fn new(path: &Path, points: &[DVec3]) -> Self {
+        let of = |points: &[DVec3]| path.cage.edges.iter().map(|&[a, b]| points[a].distance(points[b])).collect();
+        let wanted = path.stretched_edges(&path.bodies.to).iter().map(|edge| edge.length()).collect();
+        Self { before: of(path.rest), after: of(points), wanted }
+    }
+
+    fn kept(&self) -> f64 {
+        let is_kept = |(after, wanted): &(&f64, &f64)| (*after / *wanted - 1.0).abs() <= KEPT;
+        let count = self.after.iter().zip(&self.wanted).filter(is_kept).count();
+        count as f64 / self.after.len().max(1) as f64
+    }
+
+    fn of_set(&self, name: &str, is_in: &[bool]) -> Option<SetLengths> {
+        let sum = |lengths: &[f64]| lengths.iter().zip(is_in).filter(|(_, is)| **is).map(|(l, _)| l).sum::<f64>();
+        let before = sum(&self.before);
+        let share = |lengths: &[f64]| sum(lengths) / before;
+        (before > 0.0).then(|| SetLengths {
+            name: name.to_owned(),
+            length: share(&self.after),
+            body: share(&self.wanted),
+        })
+    }
+}
+
+/// The mean change of the angles of faces, and that of the 95th percentile. \[degrees\]
+fn angles(mesh: &Mesh, before: &[DVec3], after: &[DVec3]) -> [f64; 2] {
+    let angle = |points: &[DVec3], [a, b, c]: [usize; 3]| {
+        (points[a] - points[b]).angle_between(points[c] - points[b]).to_degrees()
+    };
+    let corners = mesh.faces.corners().ids().map(|c| {
+        let vertex = |c| mesh.faces.vertex(c).index();
+        [vertex(mesh.faces.prev(c)), vertex(c), vertex(mesh.faces.next(c))]
+    });
+    let change = |corner: [usize; 3]| (angle(after, corner) - angle(before, corner)).abs();
+    let mut changes: Vec<f64> = corners.map(change).filter(|change| change.is_finite()).collect();
+    changes.sort_unstable_by(f64::total_cmp);
+    let count = changes.len().max(1);
+    [changes.iter().sum::<f64>() / count as f64, changes.get(count * 95 / 100).copied().unwrap_or(0.0)]
+}

@@ -1,0 +1,185 @@
+//! A garment made for one body, fitted to another.
+//!
+//! The cage is as rigid as possible while the body changes in small steps (`path`). Its edges stretch as the body does around them
+//! (`stretch`), and nothing that crosses nothing at the start may cross the body or another part of the garment
+//! (`contacts`).
+
+mod bodies;
+mod bound;
+mod cage;
+mod clearance;
+mod contacts;
+mod crossings;
+mod figures;
+mod options;
+mod path;
+mod rigid;
+mod stretch;
+mod triangle;
+
+pub use bodies::Bodies;
+use figures::Ending;
+pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
+pub use options::{BodyOptions, PanelRest};
+
+use crate::codes;
+use cage::Cage;
+use crossings::Crossings;
+use glam::{DVec3, Vec3};
+use path::Path;
+use std::collections::BTreeSet;
+use tailor_mesh::connectivity::{Elements, FaceId, VertexId};
+use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
+use tailor_mesh::garment::Mesh;
+
+/// Share of the points inside the body, or distance from it as a share of its size, from which a garment is not on the body.
+const MOST_INSIDE: f64 = 0.5;
+const MOST_DISTANCE: f64 = 0.25;
+
+/// Share of edges that follow the body, and of points that go inside it, beyond which the garment did not follow.
+const LEAST_KEPT: f64 = 0.5;
+const MOST_SUNK: f64 = 0.2;
+
+/// How sets of the garment follow the body.
+#[derive(Clone, Debug, Default)]
+pub struct FitOptions {
+    /// Sets whose connected parts move as wholes, such as buttons.
+    pub rigid: Vec<Elements>,
+    /// Sets whose edges keep their lengths, such as a hem.
+    pub keep_length: Vec<Elements>,
+}
+
+/// A garment on the way to another body.
+#[derive(Clone, Debug)]
+pub struct FitStep {
+    /// Share of the way.
+    pub share: f64,
+    /// Its points. \[mesh units\]
+    pub points: Vec<Vec3>,
+}
+
+/// A fitted garment.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// The points of the garment on the other body. \[mesh units\]
+    pub points: Vec<Vec3>,
+    /// The garment on its way, from the start to where the way ends.
+    pub steps: Vec<FitStep>,
+    /// How well it fits.
+    pub figures: FitFigures,
+    /// What could not follow.
+    pub warnings: Warnings,
+}
+
+/// Fits a garment to the second of two bodies.
+///
+/// ```
+/// use tailor::fit::{Bodies, FitOptions, fit};
+/// use tailor::glam::Vec3;
+/// # use std::sync::Arc;
+/// # use tailor::{Builder, Garment};
+///
+/// # fn main() -> Result<(), tailor::Error> {
+/// // A sheet over a flat body that becomes twice as large.
+/// let grid = |size: f32, height: f32| -> Vec<Vec3> {
+///     (0..25).map(|i| Vec3::new(size * (i % 5) as f32, size * (i / 5) as f32, height)).collect()
+/// };
+/// let corners: Vec<i32> = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [i, i + 1, i + 6, i + 5]).collect();
+/// let mesh = |points: Vec<Vec3>| -> Result<Arc<tailor::Mesh>, tailor::Error> {
+///     let mesh = Garment {
+///         points,
+///         face_vertex_counts: vec![4; 16],
+///         face_vertex_indices: corners.clone(),
+///         ..Garment::default()
+///     };
+///     Ok(Arc::clone(Builder::new(mesh)?.garment()))
+/// };
+/// let (small, large) = (mesh(grid(1.0, 0.0))?, mesh(grid(2.0, 0.0))?);
+/// let sheet = mesh(grid(1.0, 0.1))?;
+/// let fitted = fit(&sheet, &Bodies::new(&small, &large)?, &FitOptions::default())?;
+/// assert!(fitted.points[24].distance(Vec3::new(8.0, 8.0, 0.1)) < 0.05, "{}", fitted.points[24]);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// Points beyond the numbers of a file.
+pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted, Error> {
+    let rest: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
+    let cage = Cage::new(mesh);
+    let mut path = Path::new(&cage, &rest, bodies, options);
+    let mut warnings: Warnings = far_from_body(mesh, &path, bodies).into_iter().collect();
+    let points = path.run();
+    let end = Ending::new(&path, points);
+    let figures = FitFigures::new(mesh, &path, &end);
+    warnings.extend(new_crossings(mesh, &path, &end));
+    warnings.extend(left_behind(mesh, &path, &end, &figures));
+    let single = |points: &[DVec3]| points.iter().map(|p| p.as_vec3()).collect::<Vec<Vec3>>();
+    let points = single(&end.points);
+    let step = |(share, points): &(f64, Vec<DVec3>)| FitStep { share: *share, points: single(points) };
+    let steps = path.steps.iter().map(step).collect();
+    if points.iter().any(|p| !p.is_finite()) {
+        let fault = Error::new(ErrorKind::Mesh, &mesh.prim, "its points on the other body are not finite numbers");
+        return Err(fault.code(tailor::codes::MESH_SIZE).remedy("give both bodies and the garment the same units"));
+    }
+    Ok(Fitted { points, steps, figures, warnings })
+}
+
+/// The faces of a mesh that cross a body, ascending.
+pub fn faces_through(mesh: &Mesh, body: &Mesh) -> Result<Vec<FaceId>, Error> {
+    let (bodies, cage) = (Bodies::new(body, body)?, Cage::new(mesh));
+    let points: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
+    let found = Crossings::of(&cage, &points, &bodies, &bodies.from).faces(&cage);
+    Ok(found.body.into_iter().map(FaceId::new).collect())
+}
+
+/// The warning of a garment that is not on the body that it is said to be made for.
+fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
+    let (size, count) = (bodies.size(), mesh.points.len().max(1) as f64);
+    let mean = path.bound.distances().sum::<f64>() / count;
+    let inside = path.bound.heights().filter(|height| *height < 0.0).count() as f64 / count;
+    let problem = if mean > MOST_DISTANCE * size {
+        format!("it is {mean:.3} away from the body on average, whose size is {size:.3}")
+    } else if inside > MOST_INSIDE {
+        format!("{:.0} % of its points are inside the body", 100.0 * inside)
+    } else {
+        return None;
+    };
+    Some(
+        Warning::new(codes::OFF_BODY, &mesh.prim, problem)
+            .remedy("Name the body that the garment was made for by --from, in the same place and unit"),
+    )
+}
+
+/// The warning of a garment that did not follow its body.
+fn left_behind(mesh: &Mesh, path: &Path, end: &Ending, figures: &FitFigures) -> Option<Warning> {
+    let heights = path.bound.heights().zip(end.bound.heights());
+    let sunk: Vec<usize> = heights.enumerate().filter(|(_, (a, b))| *a > 0.0 && *b < 0.0).map(|(v, _)| v).collect();
+    let problem = if path.share < 1.0 {
+        format!("it could not follow the body for more than {:.0} % of the way", 100.0 * path.share)
+    } else if figures.edges_kept < LEAST_KEPT {
+        format!("{:.0} % of its edges follow the body within 15 %", 100.0 * figures.edges_kept)
+    } else if sunk.len() as f64 > MOST_SUNK * end.points.len() as f64 {
+        format!("{} of {} points were outside of the body, and are inside it", sunk.len(), end.points.len())
+    } else {
+        return None;
+    };
+    Some(
+        Warning::new(codes::FIT_LEFT_BEHIND, &mesh.prim, problem)
+            .at(Elements::Points(sunk.into_iter().map(VertexId::new).collect()))
+            .remedy("Compare the bodies, and the sets of --rigid and --keep-length: there is no room, or what corresponds does not"),
+    )
+}
+
+/// The warning of faces that cross the body or each other and did not before.
+fn new_crossings(mesh: &Mesh, path: &Path, end: &Ending) -> Option<Warning> {
+    let (start, found) = (&path.clearance.start, &end.crossings);
+    let own = found.own.difference(&start.own).flatten();
+    let faces: BTreeSet<usize> = found.body.difference(&start.body).chain(own).copied().collect();
+    (!faces.is_empty()).then(|| {
+        let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
+        Warning::new(codes::FIT_CROSSES, &mesh.prim, problem)
+            .at(Elements::Faces(faces.into_iter().map(FaceId::new).collect()))
+            .remedy("Give the garment more ease there, or move these points by hand")
+    })
+}

@@ -1,0 +1,59 @@
+//! Checks of a mesh and of sizes that need more than single attributes.
+
+use crate::recipe::Recipe;
+use std::ops::RangeInclusive;
+use tailor::sim::holes;
+use tailor_mesh::connectivity::{Topology, VertexId};
+use tailor_mesh::error::{Error, ErrorKind};
+use tailor_mesh::garment::{BoundaryInterpolation, Mesh};
+use tailor_mesh::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
+
+/// Mean edge lengths whose squares, and ratios of squares, stay within 32 bits. \[mesh units\]
+const USABLE_LENGTHS: RangeInclusive<f32> = 1e-8..=1e8;
+
+/// Checks that the mesh is a surface to work on: faces that are drawn, with an area, in numbers that can be squared.
+pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
+    let fault = |attribute: &str, fault: String, remedy: &str| {
+        Err(Error::new(ErrorKind::Mesh, format!("{}.{attribute}", garment.prim), fault).remedy(remedy))
+    };
+    let mut points = garment.faces.corners().iter().map(|&v| garment.points[v]);
+    let first = points.next();
+    if points.all(|p| Some(p) == first) {
+        let fault_text = "the edges have no length: all points are in one place";
+        return fault("points", fault_text.into(), "give the points their positions");
+    }
+    if !USABLE_LENGTHS.contains(&mean_edge) {
+        let remedy = "scale the points, and metersPerUnit with them, so that a garment measures 0.1 to 1000 units";
+        let fault_text = format!("the mean edge length is {mean_edge:e}, too far from 1 to compute with");
+        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(tailor::codes::MESH_SIZE));
+    }
+    if garment.faces.ids().all(|f| garment.doubled_normal(f).length() == 0.0) {
+        return fault("points", "no face has an area".into(), "give the points their positions");
+    }
+    let has_holes = !garment.holes.is_empty() || garment.rules.boundary == BoundaryInterpolation::None;
+    if has_holes && holes(garment, &Level::base(garment)).iter().all(|&h| h) {
+        let fault_text = "no face is left: all are holes, or at a border with interpolateBoundary \"none\"";
+        let remedy = "take faces out of holeIndices, or set interpolateBoundary to edgeAndCorner";
+        return fault("holeIndices", fault_text.into(), remedy);
+    }
+    Ok(())
+}
+
+/// Checks that the refined meshes fit in memory.
+pub fn levels(garment: &Mesh, recipe: &Recipe) -> Result<(), Error> {
+    for (key, level) in [("sim.baselineLevel", recipe.sim.baseline_level), ("render.level", recipe.render.level)] {
+        let faces = refined_faces(garment, level);
+        if faces > MAX_REFINED_FACES && level > 0 {
+            let fault = format!("level {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
+            return Err(Error::recipe(key, fault).code(tailor::codes::TOO_LARGE).remedy("lower the level"));
+        }
+    }
+    Ok(())
+}
+
+/// Mean length of a garment's edges. \[mesh units\]
+pub fn mean_edge_length(garment: &Mesh) -> f32 {
+    let t = Topology::new(garment.faces.clone(), garment.points.len());
+    let length = |&[a, b]: &[VertexId; 2]| f64::from(garment.points[a].distance(garment.points[b]));
+    (t.edges.iter().map(length).sum::<f64>() / t.edges.len().max(1) as f64) as f32
+}

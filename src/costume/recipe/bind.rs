@@ -1,0 +1,28 @@
+//! Finds the primvars and subsets that a recipe names in a garment.
+
+use super::Recipe;
+use tailor::sim::SimOptions;
+use tailor_mesh::error::Error;
+use tailor_mesh::garment::{Mesh, Primvar};
+use tailor_mesh::options::{primvar, within_size_in_meters};
+
+/// Checks that a garment has all primvars and subsets that a recipe names, and that its lengths fit. Names that are not subsets are
+/// those of derived sets.
+///
+/// # Errors
+/// A primvar or subset that is missing or has another type; a length that is too large.
+pub fn bind(recipe: &Recipe, garment: &Mesh) -> Result<(), Error> {
+    recipe.used().into_iter().try_for_each(|(prefix, options)| options.bind(&prefix, garment))?;
+    recipe.cloth.check_names(garment)?;
+    recipe.fabric.iter().try_for_each(|(name, fabric)| {
+        within_size_in_meters(&format!("fabric.{name}.thickness"), fabric.thickness, garment)
+    })
+}
+
+/// Finds the UV set; `None` if the name is empty.
+///
+/// # Errors
+/// A primvar that is missing or has another type.
+pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Mesh) -> Result<Option<&'a Primvar>, Error> {
+    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", |p| p.is_uv_set())
+}

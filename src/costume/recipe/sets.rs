@@ -1,0 +1,99 @@
+//! Sets that a recipe describes by expressions.
+
+use super::{OPERATORS, Recipe};
+use std::cell::LazyCell;
+use tailor::sets::{SetEvaluator, is_subset_name, quoted};
+use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::garment::{DERIVED, Mesh, Subset};
+use tailor_mesh::options::{Domain, Given, float_primvar, subset_of};
+
+/// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RecipeSets {
+    /// The sets of the simulation mesh and its cloth.
+    pub sim: Vec<Subset>,
+    /// The sets of the operators of the render mesh.
+    pub render: Vec<Subset>,
+}
+
+impl RecipeSets {
+    /// Evaluates what a recipe with a resolved UV set names and the garment has no subset for. Warns of sets without elements.
+    ///
+    /// # Errors
+    /// A text that is not an expression, or that does not fit the garment.
+    pub fn new(recipe: &Recipe, garment: &Mesh) -> Result<(Self, Warnings), Error> {
+        let evaluator = LazyCell::new(|| SetEvaluator::new(garment, &recipe.sim.uv_set));
+        let (mut found, mut warnings) = (Self::default(), Warnings::default());
+        for (prefix, options) in recipe.used() {
+            let group = options.group();
+            let is_operator = OPERATORS.iter().any(|operator| operator.name == group.name);
+            let sets = if is_operator { &mut found.render } else { &mut found.sim };
+            for (key, given) in group.keys.iter().zip(options.given()) {
+                let (Domain::Sets { of, .. }, Given::Names(names)) = (key.domain, given) else { continue };
+                let place = format!("{prefix}.{}", key.key);
+                for name in names.iter().filter(|name| garment.subset(name).is_none()) {
+                    if !sets.iter().any(|set| set.name == *name) {
+                        let weights = painted(garment, &place, name, of)?;
+                        if weights.is_none() && is_subset_name(name) {
+                            subset_of(garment, &place, name, of)?;
+                        }
+                        let expression = weights.as_ref().unwrap_or(name);
+                        let derived = evaluator.evaluate(expression).map_err(|fault| fault.at(&place))?;
+                        if derived.elements.is_empty() {
+                            warnings.push(empty(&place, name, &derived.notes));
+                        }
+                        let (name, family) = (name.clone(), DERIVED.to_owned());
+                        sets.push(Subset { name, family, elements: derived.elements, sharpness: None });
+                    }
+                    let kind = sets.iter().find(|set| set.name == *name).map_or("", |set| set.elements.kind());
+                    if !of.contains(&kind) {
+                        return Err(other_kind(&place, name, kind, of));
+                    }
+                }
+            }
+        }
+        Ok((found, warnings))
+    }
+}
+
+/// The expression of the points above the middle of painted weights, where `name` is a primvar and points are wanted.
+fn painted(garment: &Mesh, place: &str, name: &str, of: &[&str]) -> Result<Option<String>, Error> {
+    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
+    if !is_primvar || !of.contains(&"point") {
+        return Ok(None);
+    }
+    float_primvar(garment, place, name)?;
+    Ok(Some(format!("weight({})", quoted(name))))
+}
+
+fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {
+    let fault = Error::recipe(place, format!("\"{name}\" gives {kind}s, and it takes {}s", of.join("s or ")));
+    fault.code(tailor_mesh::codes::UNKNOWN_SUBSET).remedy(format!("write {}s({name}), or another set", of[0]))
+}
+
+fn empty(place: &str, name: &str, notes: &[String]) -> Warning {
+    let there = if notes.is_empty() { String::new() } else { format!(": {}", notes.join("; ")) };
+    let warning = Warning::new(tailor::codes::EMPTY_SET, place, format!("\"{name}\" has no elements{there}"));
+    warning.remedy("Change the expression; `usdtailor info` lists the sets of the garment")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tailor::render::{FoldOptions, SeamOptions};
+    use tailor_mesh::garment::check_garment;
+    use tailor_testing::sheets::grid;
+
+    #[test]
+    fn each_option_checks_the_kind_of_a_set_that_another_names_too() {
+        let garment = check_garment(grid(2, 2, |_, _| true)).expect("a good mesh").0;
+        let mut recipe = Recipe::default();
+        let edges = vec!["borders".to_owned()];
+        recipe.seam.insert("a".into(), SeamOptions { edges: edges.clone(), ..SeamOptions::default() });
+        let (sets, warnings) = RecipeSets::new(&recipe, &garment).expect("edges for a seam");
+        assert_eq!((sets.sim.len(), sets.render.len(), warnings.iter().count()), (0, 1, 0));
+        recipe.fold.insert("b".into(), FoldOptions { faces: edges, ..FoldOptions::default() });
+        let fault = RecipeSets::new(&recipe, &garment).expect_err("edges for a fold").to_string();
+        assert!(fault.contains("gives edges, and it takes faces"), "{fault}");
+    }
+}

@@ -1,0 +1,201 @@
+//! Sets of a sheet whose elements can be counted by hand.
+
+use super::*;
+use tailor_mesh::garment::{DERIVED, Garment, Interpolation, PrimvarInput, Subset, Values, check_garment};
+use tailor_testing::sheets::{grid, with_uvs};
+
+/// A sheet of 4 by 4 quads whose left half has UVs of its own. Points are numbered row by row.
+fn garment() -> Mesh {
+    let mut input: Garment = grid(4, 4, |_, _| true);
+    input.primvars.retain(|primvar| primvar.name != "st");
+    let mut input = with_uvs(input, |face, point| {
+        let shift = if face % 4 < 2 { 0.0 } else { 10.0 };
+        [(point % 5) as f32 + shift, (point / 5) as f32]
+    });
+    let panel = (0..16).map(|face| i32::from(face % 4 == 3)).collect();
+    input.primvars.push(PrimvarInput::new("panel", Interpolation::Uniform, Values::I32(panel)));
+    let weights = (0..25).map(|point| if point < 10 { 1.0 } else { 0.25 }).collect();
+    input.primvars.push(PrimvarInput::weights("pin", weights));
+    check_garment(input).expect("a good mesh").0
+}
+
+fn count(text: &str) -> usize {
+    let garment = garment();
+    let derived = SetEvaluator::new(&garment, "st").evaluate(text);
+    derived.unwrap_or_else(|fault| panic!("{text}: {}", fault.text)).elements.len()
+}
+
+#[test]
+fn functions_find_the_elements_of_a_sheet() {
+    for (text, expected) in [
+        ("borders", 16),
+        ("borders.1", 16),
+        ("borders.2", 0),
+        ("uvSeams", 4),
+        ("uvShells.2", 8),
+        ("edges", 40),
+        ("value(panel)", 4),
+        ("value(panel, 0)", 12),
+        ("regions(panel)", 4),
+        ("border(value(panel))", 10),
+        ("border(value(panel)) - borders", 4),
+        ("between(value(panel, 0), value(panel, 1))", 4),
+        ("weight(pin)", 10),
+        ("weight(pin, 0.1)", 25),
+        ("edges(weight(pin))", 13),
+        ("faces(weight(pin))", 4),
+        ("points(uvSeams)", 5),
+        ("faces(uvSeams)", 8),
+        ("rings(borders)", 12),
+        ("rings(borders, 2)", 16),
+        ("rings(value(panel))", 8),
+        ("within(border(value(panel)) - borders, 0.6)", 8),
+        ("shell(value(panel))", 8),
+        ("udim(1011)", 1),
+        ("borders & edges(weight(pin))", 6),
+        ("creases + featureLines", 0),
+    ] {
+        assert_eq!(count(text), expected, "{text}");
+    }
+}
+
+#[test]
+fn chains_go_on_in_one_direction() {
+    let garment = garment();
+    for text in ["uvSeams", "borders", "border(value(panel))"] {
+        let derived = SetEvaluator::new(&garment, "st").evaluate(text).expect(text);
+        let Elements::Edges(edges) = derived.elements else { panic!("{text} gives edges") };
+        let starts: std::collections::BTreeSet<_> = edges.iter().map(|edge| edge[0]).collect();
+        assert_eq!(starts.len(), edges.len(), "{text}: no two edges leave one point");
+    }
+}
+
+#[test]
+fn faults_name_what_there_is() {
+    let garment = garment();
+    let evaluate = |text: &str| SetEvaluator::new(&garment, "st").evaluate(text);
+    for (text, problem, remedy) in [
+        ("uvSeam", "is not a subset", "did you mean uvSeams?"),
+        ("border(uvSeams)", "is not a set of faces, and edges are given", "border(faces)"),
+        ("borders + faces", "edges and faces cannot be combined", "faces(...)"),
+        ("udim()", "has 0 arguments", "udim(tile)"),
+        ("rings(borders, 0.5)", "the count 0.5", "whole number"),
+    ] {
+        let fault = evaluate(text).expect_err(text);
+        assert!(fault.text.contains(problem) && fault.remedy.contains(remedy), "{}: {}", fault.text, fault.remedy);
+    }
+    for (text, note) in [
+        ("material(wool)", "the materials are: none"),
+        ("borders.3", "the set has 1 pieces"),
+        ("weight(pin, 1)", "its largest value is 1"),
+        ("uvSeams(map2)", "the face-varying UV sets are: st"),
+        ("value(panel, 7)", "its first values are: 0, 1"),
+    ] {
+        let derived = evaluate(text).expect(text);
+        assert!(derived.elements.is_empty() && derived.notes.iter().any(|found| found.contains(note)), "{text}");
+    }
+}
+
+#[test]
+fn every_listed_set_is_what_its_expression_gives() {
+    let garment = garment();
+    let evaluator = SetEvaluator::new(&garment, "st");
+    let listed = evaluator.list();
+    for set in &listed {
+        let derived = evaluator.evaluate(&set.expression).expect("an expression");
+        assert_eq!(derived.elements.len(), set.count, "{}", set.expression);
+    }
+    let expressions: Vec<&str> = listed.iter().map(|set| set.expression.as_str()).collect();
+    for expected in ["borders.1", "uvSeams.1", "value(panel, 1)", "weight(pin)", "uvShells.2"] {
+        assert!(expressions.contains(&expected), "{expressions:?}");
+    }
+}
+
+/// The selection after changes, each a sign and a set; none where no element is left.
+fn selected(changes: &[(Change, &str)]) -> Option<ListedSet> {
+    let garment = garment();
+    let evaluator = SetEvaluator::new(&garment, "st");
+    let subset = |set: &ListedSet| Subset {
+        name: set.expression.clone(),
+        family: DERIVED.to_owned(),
+        elements: set.elements.clone(),
+        sharpness: None,
+    };
+    let known: Vec<Subset> = evaluator.list().iter().map(subset).collect();
+    let mut last: Option<ListedSet> = None;
+    for (change, set) in changes {
+        let before = last.map_or_else(String::new, |set| set.expression);
+        last = evaluator.select(&before, *change, set, &known).unwrap_or_else(|fault| panic!("{set}: {}", fault.text));
+        if let Some(set) = &last {
+            let again = evaluator.evaluate(&set.expression).expect("an expression");
+            assert_eq!(again.elements.len(), set.count, "{}", set.expression);
+        }
+    }
+    last
+}
+
+/// The expression of picked edges or faces.
+fn picked(kind: &str, numbers: &str) -> String {
+    format!("picked{kind}(\"{}\", \"{numbers}\")", checksum(&garment().faces))
+}
+
+#[test]
+fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
+    let expression = |changes: &[(Change, &str)]| selected(changes).map(|set| set.expression);
+    let [seam, column, lower] = ["2-7", "1-6", "7-2"].map(|ends| picked("Edges", ends));
+    let [seam_line, column_line] = [&seam, &column].map(|edge| format!("loops({edge})"));
+    let replaced = |set: &str| expression(&[(Change::Replace, set)]);
+    assert_eq!(replaced(&seam_line).as_deref(), Some("uvSeams.1"));
+    assert_eq!(replaced(&column_line), Some(picked("Edges", "1-6-11-16-21")));
+    assert_eq!(replaced("borders - edges(weight(pin))").as_deref(), Some("borders - edges(weight(pin))"));
+    let both = format!("loops({seam} + {})", picked("Edges", "0-1"));
+    assert_eq!(replaced(&both).as_deref(), Some("borders.1 + uvSeams.1"));
+    let sum = [(Change::Replace, seam_line.as_str()), (Change::Add, "borders - edges(weight(pin))")];
+    assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - edges(weight(pin)))"));
+    let path = format!("path({}, {})", picked("Edges", "0-1"), picked("Edges", "3-4"));
+    assert_eq!(replaced(&path), Some(picked("Edges", "0-1-2-3-4")));
+    // Most of the three edges go up.
+    let parts = [(Change::Replace, lower.as_str()), (Change::Add, &picked("Edges", "7-12-17"))];
+    assert_eq!(expression(&parts), Some(picked("Edges", "2-7-12-17")));
+    let faces = [(Change::Replace, "uvShells.1"), (Change::Remove, &picked("Faces", "1, 4-5"))];
+    assert_eq!(expression(&faces), Some(picked("Faces", "0, 8-9, 12-13")));
+    assert_eq!(expression(&[(Change::Replace, &seam), (Change::Remove, "uvSeams")]), None);
+}
+
+#[test]
+fn picked_elements_are_of_one_mesh_alone() {
+    let garment = garment();
+    let evaluate = |text: &str| SetEvaluator::new(&garment, "st").evaluate(text);
+    for (text, problem) in [
+        ("pickedEdges(\"00000000\", \"0-1\")".to_owned(), "picked on other faces"),
+        (picked("Edges", "0-6"), "has no edge 0-6"),
+        (picked("Edges", "0-99"), "has no edge 0-99"),
+        (picked("Faces", "15-16"), "has no face 16"),
+        (picked("Faces", "a"), "words that are not numbers"),
+    ] {
+        let fault = evaluate(&text).expect_err(&text);
+        assert!(fault.text.contains(problem), "{}", fault.text);
+    }
+    assert!(evaluate(&format!("path(borders, {})", picked("Faces", "3"))).is_err());
+}
+
+#[test]
+fn the_documents_have_every_function() {
+    let page = include_str!("../../../docs/sets.md");
+    for Function { usage, gives, meaning, .. } in FUNCTIONS {
+        let row = format!("| `{usage}` | {gives} | {meaning} |");
+        assert!(page.contains(&row), "docs/sets.md lacks: {row}");
+    }
+}
+
+#[test]
+fn a_primvar_with_a_fault_is_told_where_it_is_named() {
+    let mut input: Garment = grid(4, 4, |_, _| true);
+    input.primvars.push(PrimvarInput::weights("pin", vec![1.0; 7]));
+    let garment = check_garment(input).expect("no step needs it").0;
+    let fault = SetEvaluator::new(&garment, "st").evaluate("weight(pin)").expect_err("it is left out");
+    let error = tailor_mesh::options::float_primvar(&garment, "sim.density", "pin").expect_err("it is left out");
+    for (code, text) in [(fault.code, &fault.text), (error.faults[0].code, &error.faults[0].text)] {
+        assert!(code == tailor_mesh::codes::VALUE_COUNT && text.contains("primvars:pin holds 7 values"), "{text}");
+    }
+}

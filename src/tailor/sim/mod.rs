@@ -1,0 +1,27 @@
+//! The simulation mesh: triangles of the wanted size on the garment's surface, conforming to its seams and borders.
+//!
+//! Data flows one way: `surface` (the refined garment and target lengths), `constraints` (chains of edges and their
+//! curves), `baseline` (the surface with its chains, and projection onto it), `sim_mesh` (the mesh under edit),
+//! `passes` (split, collapse, flip, relax, and their loop), and `product`.
+
+mod baseline;
+mod constraints;
+mod geometry;
+mod options;
+mod passes;
+mod product;
+mod shell_uvs;
+mod sim_mesh;
+mod surface;
+
+pub use baseline::{Baseline, BaselinePoint, baseline_level};
+pub use constraints::cage_edges::half_edge;
+pub use constraints::chain::{Chain, ChainKind};
+pub use constraints::feature_lines::{BluntRidge, NarrowStrip};
+pub use geometry::closest_weights;
+pub use geometry::distance_to_segment;
+pub use options::{Relaxation, SimOptions};
+pub use passes::remesh::RemeshReport;
+pub use product::{CurveGap, SimProduct, simulate};
+pub use surface::lengths::Lengths;
+pub use surface::refine::holes;

@@ -1,0 +1,129 @@
+//! Options of the simulation mesh.
+
+use serde::{Deserialize, Serialize};
+use tailor_mesh::options::{Domain, Given, OptionValue, options};
+
+/// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
+const LARGEST: f32 = 1000.0;
+/// A target edge length. 0 stands for half of another length.
+const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, largest: LARGEST };
+/// The turn above which a corner or a feature line stays, usually above `usual`.
+const fn angle(usual: f32) -> Domain {
+    Domain::Number { least: 1.0, most: Some(180.0), or_zero: false, usual: [usual, 180.0], step: 5.0 }
+}
+
+/// The space in which relaxation averages vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Relaxation {
+    /// The tangent planes of the surface.
+    #[default]
+    Surface,
+    /// The UV panels.
+    Uv,
+}
+
+impl OptionValue for Relaxation {
+    fn given(&self) -> Given<'_> {
+        Given::Known
+    }
+}
+
+options! {
+    /// Options of the simulation mesh of this garment, with triangles of adaptive size that keep the chosen edges.
+    /// Lengths are measured in the mesh's own space.
+    "sim" => SimOptions {
+        /// Target edge length at density 0, at least minEdgeLength; 0 is half of the mesh's mean edge length
+        "maxEdgeLength" max_edge_length: f32 = 0.0, TARGET, "mesh units" via "tailor_mesh::garment::units::deserialize_length";
+
+        /// Target edge length at density 1, where half the length gives four times the triangles; 0 is half of
+        /// maxEdgeLength, or all of it without a density
+        "minEdgeLength" min_edge_length: f32 = 0.0, TARGET, "mesh units" via "tailor_mesh::garment::units::deserialize_length";
+
+        /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; empty is 0
+        /// everywhere
+        "density" density: String = String::new(), Domain::Weights, "name of a primvar";
+
+        /// Largest ratio of neighbouring target lengths, 1.05 or more, which shortens the longer one; 0 sets no limit
+        "grading" grading: f32 = 0.0,
+            Domain::Number { least: 1.05, most: None, or_zero: true, usual: [0.0, 4.0], step: 0.05 }, "factor";
+
+        /// Subdivision level of the surface that the simulation mesh approximates; 0 is the input itself
+        "baselineLevel" baseline_level: u32 = 2, Domain::Whole { most: 6, usual: 4 }, "levels";
+
+        /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
+        "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
+
+        /// Space in which vertices move to the centroids of their triangles: surface, or uv for the panels of uvSet, whose
+        /// distortion the triangles then take over
+        "relax" relax: Relaxation = Relaxation::Surface, Domain::Choice { words: &["surface", "uv"] }, "surface or uv";
+
+        /// Texture coordinates, named without `primvars:`, whose shells are the panels of cloth; empty or absent is one
+        /// piece
+        "uvSet" uv_set: String = "st".into(), Domain::UvSet, "name of a primvar";
+
+        /// Keep the borders of the shells of uvSet as edges of the simulation mesh, as mesh borders always are
+        "constrainUvSeams" constrain_uv_seams: bool = true, Domain::Flag, "true or false";
+
+        /// Drop the seams around UV shells smaller than this from the edges of the simulation mesh, where UVs are then
+        /// approximate; 0 keeps the seams of all shells
+        "smallestShell" smallest_shell: f32 = 4.0,
+            Domain::Number { least: 0.0, most: None, or_zero: true, usual: [0.0, 16.0], step: 0.5 },
+            "equilateral triangles of target length";
+
+        /// Edge subsets of this mesh to keep as edges of the simulation mesh
+        "constraints" constraints: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: false },
+            "names of subsets";
+
+        /// Keep a vertex where a seam, border or constraint turns by more than this within one edge length; smaller angles
+        /// keep more corners, with shorter edges beside them; 180 keeps none
+        "cornerAngle" corner_angle: f32 = 50.0,
+            angle(5.0), "degrees";
+
+        /// Keep edges where the surface turns by more than this within one target length, which are then feature lines;
+        /// smaller angles keep more of them, with fewer even triangles beside them; 180 keeps none
+        "featureAngle" feature_angle: f32 = 90.0,
+            angle(30.0), "degrees";
+
+        /// Samples of each input face for the transfer of face sets, colours and uniform primvars; more samples resolve
+        /// narrower sets, in proportional time
+        "transferSamples" transfer_samples: u32 = 32, Domain::Whole { most: 1024, usual: 128 }, "samples per face";
+
+        /// Seed of the transfer samples; the same seed gives the same mesh on any machine and with any number of threads
+        "seed" seed: u32 = 0, Domain::Whole { most: u32::MAX, usual: 100 }, "any integer";
+
+        /// Merge single faces of a face set that touch no other face of it into the set around them
+        "cleanIslands" clean_islands: bool = false, Domain::Flag, "true or false";
+
+        /// Store the input face of each vertex and its coordinates there, in primvars:tailor:sourceFace and
+        /// primvars:tailor:sourceCoords
+        "provenance" provenance: bool = false, Domain::Flag, "true or false";
+    }
+}
+
+impl SimOptions {
+    /// The options that remeshing reads; those that transfer alone reads have one value.
+    pub fn without_transfer(&self) -> Self {
+        Self { transfer_samples: 0, seed: 0, clean_islands: false, provenance: false, ..self.clone() }
+    }
+
+    /// The turn above which edges of the surface are a feature line. \[radians\]
+    pub fn feature_turn(&self) -> f32 {
+        if self.feature_angle < 180.0 { self.feature_angle.to_radians() } else { f32::INFINITY }
+    }
+
+    /// The turn above which a curve has a corner. \[radians\]
+    pub fn corner(&self) -> f32 {
+        if self.corner_angle < 180.0 { self.corner_angle.to_radians() } else { f32::INFINITY }
+    }
+
+    /// Replaces lengths of 0 by multiples of the garment's mean edge length. \[mesh units\]
+    pub fn resolve_targets(&mut self, mean_edge: f32) {
+        if self.max_edge_length <= 0.0 {
+            self.max_edge_length = (0.5 * mean_edge).max(self.min_edge_length);
+        }
+        if self.min_edge_length <= 0.0 {
+            self.min_edge_length = self.max_edge_length * if self.density.is_empty() { 1.0 } else { 0.5 };
+        }
+    }
+}

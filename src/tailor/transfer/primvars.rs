@@ -1,0 +1,55 @@
+//! Primvars on the simulation mesh, each by the elements that carry it.
+
+use super::correspondence::Correspondence;
+use super::{corners, faces, normals, provenance, vertices};
+use crate::sim::SimOptions;
+use rayon::prelude::*;
+use tailor_mesh::error::{Warning, Warnings};
+use tailor_mesh::garment::{Interpolation, Mesh, Primvar, joints};
+use tailor_mesh::subdivide::to_unit_length;
+
+/// The garment's primvars on the simulation mesh in the garment's order, and those of provenance if they are asked for.
+pub(super) fn carry_all(
+    garment: &Mesh,
+    map: &Correspondence<'_>,
+    options: &SimOptions,
+    uv_set: Option<&Primvar>,
+) -> (Vec<Primvar>, Warnings) {
+    let carry = |primvar| carry(garment, primvar, map, uv_set);
+    let (mut primvars, alone): (Vec<_>, Vec<_>) =
+        rayon::join(|| vertices::carry_stacked(garment, map), || garment.primvars.par_iter().map(carry).collect());
+    let (carried, warnings): (Vec<_>, Vec<_>) = alone.into_iter().unzip();
+    primvars.extend(carried.into_iter().flatten());
+    primvars.extend(vertices::carry_influences(garment, map));
+    primvars.iter_mut().for_each(to_unit_length);
+    primvars.sort_by_key(|p| garment.primvars.iter().position(|q| q.name == p.name));
+    if options.provenance {
+        let own = provenance::primvars(map);
+        primvars.retain(|p| own.iter().all(|o| o.name != p.name));
+        primvars.extend(own);
+    }
+    (primvars, warnings.into_iter().flatten().collect())
+}
+
+/// A primvar on the simulation mesh; none of those that are carried together with others.
+fn carry(
+    garment: &Mesh,
+    primvar: &Primvar,
+    map: &Correspondence<'_>,
+    uv_set: Option<&Primvar>,
+) -> (Option<Primvar>, Option<Warning>) {
+    if let Some(normals) = normals::recomputed(garment, primvar, map) {
+        return (Some(normals), None);
+    }
+    let carried = match primvar.interpolation {
+        Interpolation::Constant => Some(primvar.clone()),
+        Interpolation::Uniform => Some(faces::carry_primvar(primvar, map)),
+        Interpolation::FaceVarying => {
+            let (carried, warning) = corners::carry(garment, primvar, map, uv_set);
+            return (Some(carried), warning);
+        }
+        _ if joints::is_influence(garment, primvar) || vertices::stackable(garment, primvar).is_some() => None,
+        Interpolation::Vertex | Interpolation::Varying => Some(vertices::carry(garment, primvar, map)),
+    };
+    (carried, None)
+}
