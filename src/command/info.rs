@@ -316,14 +316,19 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
     let _ = writeln!(
         out,
         "  sim      about {} triangles at length {}, {} constraint chains",
-        plan.expected_faces,
+        plan.meshes.expected_faces,
         text::target_length(&plan.recipe, garment.units),
-        plan.chains
+        plan.meshes.chains
     );
-    let seams = if plan.seam_level > 0 { format!(", seams after level {}", plan.seam_level) } else { String::new() };
-    let _ = writeln!(out, "  render   {} faces at level {}{seams}", plan.render_faces, plan.recipe.render.level);
+    let seams = if plan.meshes.seam_level > 0 {
+        format!(", seams after level {}", plan.meshes.seam_level)
+    } else {
+        String::new()
+    };
+    let _ = writeln!(out, "  render   {} faces at level {}{seams}", plan.meshes.render_faces, plan.recipe.render.level);
     for (number, level) in plan.levels.iter().enumerate() {
-        let (triangles, faces, refined) = (level.expected_faces, level.render_faces, level.recipe.render.level);
+        let (triangles, faces, refined) =
+            (level.meshes.expected_faces, level.meshes.render_faces, level.recipe.render.level);
         let _ = writeln!(out, "  LOD{}     about {triangles} triangles, {faces} faces at level {refined}", number + 1);
     }
     operators(out, garment, &plan.recipe);

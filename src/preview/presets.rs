@@ -4,7 +4,7 @@
 use serde_json::{Map, Value};
 use std::path::Path;
 use tailor_costume::codes;
-use tailor_costume::recipe::{Domain, Layers, OPERATORS, RecipeFile};
+use tailor_costume::recipe::{Domain, Layers, Recipe, RecipeFile};
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::Units;
 use tailor_mesh::options::Group;
@@ -47,7 +47,7 @@ impl Presets {
         }
         let kinds = file.into_layer();
         for (kind, named) in &kinds {
-            let Some(group) = OPERATORS.iter().find(|group| group.name == kind) else {
+            let Some(group) = Recipe::OPERATORS.iter().find(|group| group.name == kind) else {
                 return fault(format!("{kind} has no presets"), "keep the presets of seams and folds alone");
             };
             for (name, values) in named.as_object().into_iter().flatten() {
@@ -85,7 +85,7 @@ impl Presets {
         if name.trim().is_empty() || name.chars().count() > LONGEST_NAME || name.chars().any(char::is_control) {
             return fault("it cannot be the name of a preset".into(), "give a name of 1 to 60 characters");
         }
-        let Some(group) = OPERATORS.iter().find(|group| group.name == kind) else {
+        let Some(group) = Recipe::OPERATORS.iter().find(|group| group.name == kind) else {
             return fault(format!("{kind} has no presets"), "save the values of a seam or fold");
         };
         let mut with_units = Values::new();

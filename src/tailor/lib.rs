@@ -1,12 +1,13 @@
-//! One coarse garment mesh in, a simulation mesh and a render mesh out.
+//! One coarse garment mesh in, a simulation mesh and a render mesh out: the method of Waggoner and de Goes, *Revamping the Cloth
+//! Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022), without USD.
 //!
-//! [`build()`] makes both from plain data. A [`Builder`] does so again and again, and repeats only what an edit changes.
-//! [`operator`] has the types for operators of your own. With the feature `usd` (on by default) [`usd`] reads the mesh from
-//! a stage and writes the products beside it.
+//! [`build()`] makes both meshes from plain data. A [`MeshBuilder`] does so again and again, and repeats only what an edit changes.
+//! [`operator`] has the types for operators of your own. `tailor-costume` adds what a garment needs beyond the two meshes, and
+//! `tailor-usd` reads and writes stages.
 //!
 //! ```
 //! use tailor::glam::Vec3;
-//! use tailor::{Garment, PrimvarInput, Recipe};
+//! use tailor::{Garment, MeshRecipe, PrimvarInput};
 //!
 //! # fn main() -> Result<(), tailor::Error> {
 //! // A strip of two quads.
@@ -19,7 +20,7 @@
 //!     PrimvarInput::uvs("st", &uvs, mesh.face_vertex_indices.clone()),
 //!     PrimvarInput::weights("stiff", vec![0.0, 0.5, 1.0, 0.0, 0.5, 1.0]),
 //! ];
-//! let mut recipe = Recipe::default();
+//! let mut recipe = MeshRecipe::default();
 //! recipe.sim.max_edge_length = 0.4;
 //! recipe.render.level = 2;
 //!
@@ -34,26 +35,57 @@
 //! # }
 //! ```
 //!
-//! Modules in data-flow order; each imports only those before it: `error` and `mesh` (connectivity without positions),
-//! `garment` (the checked mesh with its attributes), `subdivide`, `contact` (distances and intersections), `sim`, `render`, `transfer`, `report` (figures), `recipe`
-//! (all options), `cloth` (fabrics, pins, the shape at rest), `binding` and [`drive`] (the render mesh follows a simulation), `pipeline` (the steps and their results), then the doors `usd` and `session`. `docs/architecture.md` draws
-//! them.
+//! # The paper, and where it is
+//!
+//! | step of the paper | file | where we differ |
+//! |---|---|---|
+//! | Refine the input to a baseline, with attributes by stencils | `sim/surface/refine.rs`, `sim/baseline/mod.rs` | |
+//! | Constraints: borders, UV seams and chosen edges, as chains between anchors | `sim/constraints/cage_edges.rs`, `chain.rs` | Folds that the lengths cannot follow are chains too (`feature_lines.rs`) |
+//! | Place the vertices of chains by the target lengths | `sim/constraints/spacing.rs` | |
+//! | Target lengths from painted weights | `sim/surface/lengths.rs` | |
+//! | The loop: split, collapse, flip, relax, project, until lengths hold | `sim/passes/remesh.rs` | Queues are sorted sweeps; the first round works in patches, one on each processor |
+//! | Split long edges | `sim/passes/split.rs` | The longest first, at 5/4 of the target |
+//! | Collapse short edges | `sim/passes/collapse.rs` | The shortest first, at 4/5 of the target |
+//! | Flip towards valence 6 | `sim/passes/flip.rs` | Valence and Delaunay, weighted; pairs of irregular vertices drift together (`drift.rs`) |
+//! | Relax in the UVs | `sim/passes/relax_uv.rs` | An option; the default relaxes on the surface (`relax.rs`), which does not take over the distortion of UVs |
+//! | Lift the result to the baseline | `sim/baseline/project.rs` | Thin triangles and turned ones are mended at the end (`passes/finish/`) |
+//! | Carry values by their places on the baseline | `transfer/vertices.rs`, `corners/mod.rs` | Joint influences are merged, not averaged |
+//! | Carry face sets by stochastic samples | `transfer/coverage/mod.rs`, `faces/sets.rs` | Samples are low-discrepancy sequences with a seed |
+//! | Carry edge sets | `transfer/edges/mod.rs` | Sets on chains exactly, others as shortest paths along their curves |
+//! | Render mesh: fold-over thickness, refinement, seams | `render/stack.rs` | Seams run at the finest level that has room for them |
+//! | Thickness | `render/fold.rs` | Painted; heights keep clear of other cloth (`points.rs`) |
+//! | Seams | `render/seam.rs`, `lines/mod.rs` | Rows of stitches beside a seam (`parallels/mod.rs`) |
+//! | | `render/placement.rs`, `repair/mod.rs` | New points are fitted so that the limit surface stays, and lowered where faces would cross |
+//!
+//! `docs/method.md` of the repository says why, with figures.
+//!
+//! # Modules
+//!
+//! In data-flow order; each imports only those before it: [`contact`] (distances and intersections), [`sets`] (expressions of sets),
+//! [`sim`], [`render`], [`transfer`], [`report`] (figures), [`recipe`] (the options of both meshes), [`pipeline`] (the steps and their
+//! last results). What is below, from `tailor-mesh`, has the garment with its attributes, and subdivision.
 
 pub mod codes;
 pub mod contact;
+pub mod pipeline;
+pub mod recipe;
 pub mod render;
 pub mod report;
 pub mod sets;
 pub mod sim;
 pub mod transfer;
 
+pub use pipeline::{
+    DEFAULT_MAX_FACES, MemoryEstimate, MeshBuilder, MeshPlan, Meshes, Progress, RenderUpdate, SimUpdate, Timing, build,
+};
+pub use recipe::MeshRecipe;
 pub use render::{FoldOptions, RenderOptions, RowSide, SeamOptions, Side};
 pub use sim::{Relaxation, SimOptions};
 pub use tailor_mesh::error::{self, Error, ErrorKind, Warning};
 pub use tailor_mesh::{
-    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, Interpolation,
-    Meaning, Mesh, Orientation, Primvar, PrimvarInput, Scheme, SubdivisionRules, Subset, SubsetInput, TriangleRule,
-    Units, Values, glam,
+    BoundaryInterpolation, Corner, CornerId, Crease, EdgeId, Elements, FaceId, FaceVaryingInterpolation, Faces, Family,
+    FamilyType, Garment, Interpolation, Meaning, Mesh, Orientation, Primvar, PrimvarInput, Scheme, SubdivisionRules,
+    Subset, SubsetInput, TriangleRule, Units, Values, VertexId, glam,
 };
 
 /// Operators of your own for the render mesh.
@@ -61,7 +93,7 @@ pub use tailor_mesh::{
 /// ```
 /// use std::sync::Arc;
 /// use tailor::operator::{ChildBuilder, Control, Operator, OperatorInput, OperatorOutput, ControlRole};
-/// use tailor::{Builder, Error, Mesh, Garment, Recipe, VertexId};
+/// use tailor::{Error, Garment, Mesh, MeshBuilder, MeshRecipe, VertexId};
 ///
 /// /// Raises the middle of every face.
 /// struct Quilt {
@@ -114,9 +146,9 @@ pub use tailor_mesh::{
 /// mesh.points = (0..9).map(|i| glam::Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)).collect();
 /// mesh.face_vertex_counts = vec![4; 4];
 /// mesh.face_vertex_indices = vec![0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7];
-/// let mut builder = Builder::new(mesh)?;
+/// let mut builder = MeshBuilder::new(mesh)?;
 /// builder.set_operators(vec![Arc::new(Quilt { height: 0.1 })]);
-/// let mut recipe = Recipe::default();
+/// let mut recipe = MeshRecipe::default();
 /// recipe.render.level = 3;
 /// let products = builder.update(&recipe)?;
 /// // The limit surface is as high as asked above the inner vertices, and a little higher between them.

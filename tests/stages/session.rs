@@ -134,7 +134,7 @@ fn what_is_kept_of_a_low_operator_is_no_clearance_for_a_high_one() {
         let hem = FoldOptions { faces: vec!["all".into()], thickness: amount, ..FoldOptions::default() };
         recipe.seam.insert("seam".into(), seam);
         recipe.fold.insert("hem".into(), hem);
-        let planned = kept.plan(&recipe).expect("sizes").render_faces;
+        let planned = kept.plan(&recipe).expect("sizes").meshes.render_faces;
         let [edited, new] = [kept.update(&recipe), Builder::new(sheets()).and_then(|mut new| new.update(&recipe))]
             .map(|products| products.expect("products").render);
         assert!(edited.faces == new.faces && edited.points == new.points, "amount {amount}");

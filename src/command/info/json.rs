@@ -51,12 +51,13 @@ pub fn garment(
         "primvars": primvars(garment),
         "subsets": subsets(garment),
         "sets": sets,
-        "sim": { "triangles": plan.expected_faces, "chains": plan.chains },
-        "render": { "faces": plan.render_faces, "seamLevel": plan.seam_level },
+        "sim": { "triangles": plan.meshes.expected_faces, "chains": plan.meshes.chains },
+        "render": { "faces": plan.meshes.render_faces, "seamLevel": plan.meshes.seam_level },
         "recipe": plan.recipe,
     });
     if !plan.levels.is_empty() {
-        let level = |level: &Plan| json!({ "triangles": level.expected_faces, "faces": level.render_faces });
+        let level =
+            |level: &Plan| json!({ "triangles": level.meshes.expected_faces, "faces": level.meshes.render_faces });
         described["levels"] = plan.levels.iter().map(level).collect();
     }
     if let Some(variant) = variant {

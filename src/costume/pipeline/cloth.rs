@@ -1,15 +1,12 @@
 //! The steps from both meshes to cloth and binding.
 
-use super::products::{ClothUpdate, SimUpdate};
-use super::progress::Clock;
-use super::sim::SimResult;
-use super::{Builder, Resolved};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothOptions, FabricOptions, Pattern};
 use crate::fit::PanelRest;
 use crate::recipe::Recipe;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor::pipeline::{Clock, SimResult};
 use tailor::render::Origins;
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
@@ -71,13 +68,8 @@ impl ClothSteps {
     ) -> Result<Arc<Binding>, Error> {
         let garment = &self.garment;
         self.binding.get((Same::from(simulated), Same::from(render)), |(simulated, render)| {
-            clock.run("binding", || Ok(Arc::new(Self::bound(garment, simulated, render, &origins()?))))
+            clock.run("binding", || Ok(Arc::new(bound(garment, simulated, render, &origins()?))))
         })
-    }
-
-    /// The places of the points of a mesh on a simulation mesh of the garment.
-    pub fn bound(garment: &Mesh, simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
-        Binding::new(&simulated.remeshed.product, garment.faces.len(), &simulated.mesh, mesh, origins)
     }
 
     /// The binding of the garment's own points, whose `origins` are computed if they are needed.
@@ -88,7 +80,7 @@ impl ClothSteps {
     ) -> Result<Arc<Binding>, Error> {
         let garment = &self.garment;
         self.cage_binding
-            .get(Same::from(simulated), |simulated| Ok(Arc::new(Self::bound(garment, simulated, garment, &origins()?))))
+            .get(Same::from(simulated), |simulated| Ok(Arc::new(bound(garment, simulated, garment, &origins()?))))
     }
 
     /// An estimate of the memory of the kept results. \[bytes\]
@@ -100,17 +92,7 @@ impl ClothSteps {
     }
 }
 
-impl Builder {
-    /// The cloth of a simulation mesh that a builder of the same mesh made of the same recipe; none without physics.
-    ///
-    /// # Errors
-    /// As [`Builder::update`].
-    pub fn update_cloth(&mut self, recipe: &Recipe, sim: &SimUpdate) -> Result<Option<ClothUpdate>, Error> {
-        let Resolved { recipe, sets, .. } = self.resolved(recipe)?.0;
-        self.derive_sim(sets.sim);
-        let mut clock = Clock::new(&self.progress);
-        let cloth = self.cloth.cloth(&recipe, &sim.simulated, &mut clock)?;
-        clock.finish()?;
-        Ok(cloth.map(|(cloth, warnings)| ClothUpdate { figures: cloth.figures(&sim.simulated.mesh), warnings }))
-    }
+/// The places of the points of a mesh, with these origins, on a simulation mesh of the garment. All are in one frame.
+pub fn bound(garment: &Mesh, simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
+    Binding::new(&simulated.remeshed.product, garment.faces.len(), &simulated.mesh, mesh, origins)
 }

@@ -1,6 +1,6 @@
 //! Plans of builds: the sizes of their products, and their memory.
 
-use super::{Builder, MemoryEstimate, Plan, sim};
+use super::{Builder, MemoryEstimate, Plan};
 use crate::recipe::{Recipe, Resolved};
 use tailor_mesh::error::Error;
 
@@ -16,10 +16,11 @@ impl Builder {
 
     /// The estimate for all levels of detail of a resolved recipe.
     pub(super) fn estimated(&self, resolved: &Resolved) -> Result<MemoryEstimate, Error> {
-        let mut all = MemoryEstimate::new(&self.garment, resolved);
+        let garment = self.meshes.garment();
+        let mut all = MemoryEstimate::new(garment, &resolved.meshes);
         for level in resolved.recipe.lod.coarser() {
-            let coarser = self.resolved(&resolved.recipe.at_level(level, self.mean_edge))?.0;
-            all = all.with(&MemoryEstimate::new(&self.garment, &coarser));
+            let coarser = self.resolved(&resolved.recipe.at_level(level, self.mean_edge_length()))?.0;
+            all = all.with(&MemoryEstimate::new(garment, &coarser.meshes));
         }
         Ok(all)
     }
@@ -31,24 +32,13 @@ impl Builder {
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
         let mut plan = self.plan_level(recipe)?;
         for level in plan.recipe.lod.coarser() {
-            plan.levels.push(self.plan_level(&plan.recipe.at_level(level, self.mean_edge))?);
+            plan.levels.push(self.plan_level(&plan.recipe.at_level(level, self.mean_edge_length()))?);
         }
         Ok(plan)
     }
 
     fn plan_level(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
-        let (Resolved { recipe, sim, sets }, _) = self.resolved(recipe)?;
-        MemoryEstimate::surface(&self.garment, &sim).check(self.max_memory)?;
-        self.derive(sets);
-        let stack = self.stack(&recipe)?;
-        let garment = self.with_sets(&self.sets.sim);
-        Ok(Plan {
-            expected_faces: sim::expected_faces(&garment, &sim),
-            chains: sim::baseline(&garment, &sim).chains.len(),
-            render_faces: self.render.face_count(&stack)?,
-            seam_level: self.render.seam_level(&stack)?,
-            levels: Vec::new(),
-            recipe,
-        })
+        let Resolved { recipe, meshes } = self.resolved(recipe)?.0;
+        Ok(Plan { meshes: self.meshes.plan(&meshes)?, levels: Vec::new(), recipe })
     }
 }

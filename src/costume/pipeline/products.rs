@@ -1,16 +1,13 @@
 //! The results of a build.
 
-use super::progress::Timing;
-use super::sim::SimResult;
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::recipe::Recipe;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
-use tailor::report::{RenderFigures, SimFigures, TriangleQuality};
+use tailor::pipeline::{MeshPlan, SimResult, Timing};
+use tailor::report::{RenderFigures, SimFigures};
 use tailor::sim::RemeshReport;
-use tailor_mesh::connectivity::{FaceId, IdVec};
 use tailor_mesh::error::Warnings;
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::garment::parts::{Part, split};
@@ -94,38 +91,6 @@ pub struct RenderPanel {
     pub level_bindings: Vec<Arc<Binding>>,
 }
 
-/// The simulation mesh of one update.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct SimUpdate {
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
-    /// Its warnings.
-    pub warnings: Warnings,
-    /// Time of each step that was repeated.
-    pub timings: Vec<Timing>,
-    pub(super) simulated: Arc<SimResult>,
-}
-
-impl SimUpdate {
-    /// The quality figures.
-    pub fn figures(&self) -> SimFigures {
-        self.simulated.figures()
-    }
-
-    /// The face of [`Builder::garment`](super::Builder::garment) under the centroid of each triangle.
-    pub fn sources(&self) -> IdVec<FaceId, FaceId> {
-        let product = &self.simulated.remeshed.product;
-        let sources = (0..product.triangles.len()).into_par_iter().map(|i| product.source_face(FaceId::new(i)));
-        sources.collect::<Vec<_>>().into()
-    }
-
-    /// The smallest angle and the length of the edges of each triangle.
-    pub fn triangle_quality(&self) -> TriangleQuality {
-        TriangleQuality::new(&self.simulated.remeshed.product)
-    }
-}
-
 /// The cloth of a simulation mesh.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
@@ -136,26 +101,6 @@ pub struct ClothUpdate {
     pub warnings: Warnings,
 }
 
-/// The render mesh of one update.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct RenderUpdate {
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
-    /// The face of [`Builder::garment`](super::Builder::garment) that each of its faces is part of.
-    pub sources: Arc<IdVec<FaceId, FaceId>>,
-    /// The operators, in their order.
-    pub operators: Vec<String>,
-    /// Names of the face sets that they made.
-    pub operator_sets: Vec<String>,
-    /// Refinements before the first seam. \[levels\]
-    pub seam_level: u32,
-    /// Its warnings.
-    pub warnings: Warnings,
-    /// Time of the step.
-    pub timings: Vec<Timing>,
-}
-
 /// The sizes of the products before they are built.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -163,14 +108,9 @@ pub struct RenderUpdate {
 pub struct Plan {
     /// The recipe with the lengths that would be used.
     pub recipe: Recipe,
-    /// Triangles that the target lengths ask for, all of them equilateral.
-    pub expected_faces: usize,
-    /// Constraint chains.
-    pub chains: usize,
-    /// Faces of the render mesh.
-    pub render_faces: usize,
-    /// Refinements before the first seam. \[levels\]
-    pub seam_level: u32,
+    /// The sizes of the two meshes.
+    #[serde(flatten)]
+    pub meshes: MeshPlan,
     /// The coarser levels of detail.
     pub levels: Vec<Self>,
 }

@@ -1,41 +1,32 @@
-//! The groups of options that a recipe has. A new operator is a row here.
+//! The groups of options that the whole recipe has: those of the two meshes and of each thing that is made beside them.
 
 use super::LodOptions;
 use crate::cloth::{ClothOptions, FabricOptions};
 use crate::fit::BodyOptions;
 use crate::trim::TrimOptions;
 use serde::de::{Error as _, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer};
 use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
+use tailor::recipe::{MeshRecipe, full_name};
 use tailor::render::{FoldOptions, OperatorOptions, RenderOptions, SeamOptions};
 use tailor::sim::SimOptions;
-use tailor_mesh::options::{Group, Key, OptionGroup};
+use tailor_mesh::options::{Group, Key};
 
-/// Defines [`Recipe`], the form of a `.tailor` file, and the lists of groups. The first groups are there once. The others
-/// have instances by name: operators in the default order of execution, and what is not an operator.
+/// Defines [`Recipe`], and the form of a `.tailor` file.
 macro_rules! groups {
     (
         once { $($(#[doc = $about_once:literal])+ $once:ident: $Once:ty,)+ }
         operators { $($(#[doc = $about_operator:literal])+ $operator:ident: $Operator:ty,)+ }
         named { $($(#[doc = $about_named:literal])+ $named:ident: $Named:ty,)+ }
     ) => {
-        /// All options of a build.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-        #[serde(default, deny_unknown_fields)]
-        pub struct Recipe {
-            $($(#[doc = $about_once])+ pub $once: $Once,)+
-            $(
-                $(#[doc = $about_operator])+
-                #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-                pub $operator: BTreeMap<String, $Operator>,
-            )+
-            $(
-                $(#[doc = $about_named])+
-                #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-                pub $named: BTreeMap<String, $Named>,
-            )+
+        tailor::recipe::recipe! {
+            /// All options of a build.
+            Recipe
+            once { $($(#[doc = $about_once])+ $once: $Once,)+ }
+            operators { $($(#[doc = $about_operator])+ $operator: $Operator,)+ }
+            named { $($(#[doc = $about_named])+ $named: $Named,)+ }
         }
 
         /// The allowed keys of a `.tailor` file and their types.
@@ -47,43 +38,6 @@ macro_rules! groups {
             $($once: $Once,)+
             $($operator: Unique<$Operator>,)+
             $($named: Unique<$Named>,)+
-        }
-
-        /// Groups that a recipe has once, in schema order.
-        pub const ONCE: &[Group] = &[$(<$Once>::GROUP),+];
-        /// Groups with instances that are operators, in the default order of execution.
-        pub const OPERATORS: &[Group] = &[$(<$Operator>::GROUP),+];
-        /// Other groups with instances.
-        const OTHERS: &[Group] = &[$(<$Named>::GROUP),+];
-
-        impl Recipe {
-            /// The options of all operators by name, in the default order of execution.
-            pub fn operators(&self) -> Vec<(&str, &dyn OperatorOptions)> {
-                let mut all: Vec<(&str, &dyn OperatorOptions)> = Vec::new();
-                $(all.extend(self.$operator.iter().map(|(name, options)| (name.as_str(), options as _)));)+
-                all
-            }
-
-            /// The options of each group, with the start of their keys, such as `sim` or `seam.placket`. Operators that are
-            /// left out are not among them.
-            pub(super) fn used(&self) -> Vec<(String, &dyn OptionGroup)> {
-                let mut all: Vec<(String, &dyn OptionGroup)> = vec![$((<$Once>::GROUP.name.into(), &self.$once)),+];
-                $(all.extend(self.$named.iter().map(|(name, options)| (instance(&<$Named>::GROUP, name), options as _)));)+
-                let operators = self.operators().into_iter().filter(|(_, options)| options.is_enabled());
-                all.extend(operators.map(|(name, options)| (options.full_name(name), options as &dyn OptionGroup)));
-                all
-            }
-
-            /// Replaces automatic lengths (0) by multiples of the garment's mean edge length. \[mesh units\]
-            pub(super) fn resolve_lengths(&mut self, mean_edge: f32) {
-                self.sim.resolve_targets(mean_edge);
-                $(self.$operator.values_mut().for_each(|options| options.resolve_lengths(mean_edge));)+
-            }
-
-            /// The number of instances in each group that has them.
-            pub(super) fn counts(&self) -> Vec<(&'static str, usize)> {
-                vec![$((<$Operator>::GROUP.name, self.$operator.len()),)+ $((<$Named>::GROUP.name, self.$named.len()),)+]
-            }
         }
     };
 }
@@ -115,14 +69,22 @@ groups! {
     }
 }
 
+impl Recipe {
+    /// The options of the two meshes.
+    pub fn meshes(&self) -> MeshRecipe {
+        let Self { sim, render, fold, seam, .. } = self.clone();
+        MeshRecipe { sim, render, fold, seam }
+    }
+}
+
 /// Groups with instances.
 pub fn named() -> impl Iterator<Item = &'static Group> {
-    OPERATORS.iter().chain(OTHERS)
+    Recipe::OPERATORS.iter().chain(Recipe::OTHERS)
 }
 
 /// All groups, in schema order.
 pub fn all() -> impl Iterator<Item = &'static Group> {
-    ONCE.iter().chain(OTHERS).chain(OPERATORS)
+    Recipe::ONCE.iter().chain(Recipe::OTHERS).chain(Recipe::OPERATORS)
 }
 
 /// The group called `name` whose options have instances.
@@ -130,15 +92,10 @@ pub fn group_with_instances(name: &str) -> Option<&'static Group> {
     named().find(|group| group.name == name)
 }
 
-/// The start of the keys of an instance, such as `seam.placket`.
-fn instance(group: &Group, name: &str) -> String {
-    format!("{}.{name}", group.name)
-}
-
 /// The key of an option with a placeholder for the name of its instance, such as `seam.<name>.width`.
 pub fn pattern(group: &Group, key: &Key) -> String {
     match group_with_instances(group.name) {
-        Some(group) => format!("{}.{}", instance(group, "<name>"), key.key),
+        Some(group) => format!("{}.{}", full_name(group, "<name>"), key.key),
         None => format!("{}.{}", group.name, key.key),
     }
 }

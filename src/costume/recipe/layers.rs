@@ -1,10 +1,11 @@
 //! Merges the sources of options: the model's attributes, `.tailor` files, layer arguments and `--set` flags.
 
-use super::groups::{OPERATORS, all, find, group_with_instances, split};
-use super::{Domain, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, value_type};
+use super::groups::{all, find, group_with_instances, split};
+use super::{Domain, Key, Recipe, all_keys, default_of, in_words, value_type};
 use crate::codes;
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
+use tailor::recipe::bind_uv_set;
 use tailor::sets::split_list;
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
 use tailor_mesh::garment::units::meters_of;
@@ -70,7 +71,9 @@ impl Layers {
     pub fn check_schemas(&self, prim: &str, schemas: &[String]) -> Warnings {
         let mut warnings = Warnings::default();
         let is_required = |key: &&Key| matches!(key.domain, Domain::Sets { required: true, .. });
-        for (group, sets) in OPERATORS.iter().filter_map(|group| Some((group, group.keys.iter().find(is_required)?))) {
+        for (group, sets) in
+            Recipe::OPERATORS.iter().filter_map(|group| Some((group, group.keys.iter().find(is_required)?)))
+        {
             let (kind, schema, sets) = (group.name, group.schema(Some("")), sets.key);
             for name in schemas.iter().filter_map(|applied| applied.strip_prefix(&schema)) {
                 let named =

@@ -1,6 +1,6 @@
 //! The operators of merged options, also where a recipe has faults.
 
-use super::{Layers, OPERATORS};
+use super::{Layers, Recipe};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -56,7 +56,7 @@ impl Layers {
                 listed: true,
             })
         };
-        OPERATORS.iter().flat_map(|group| of_kind(group.name)).collect()
+        Recipe::OPERATORS.iter().flat_map(|group| of_kind(group.name)).collect()
     }
 }
 

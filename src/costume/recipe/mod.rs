@@ -3,26 +3,20 @@
 //! Options come from the model's attributes, `.tailor` files and the command line ([`Layers`]). All use the same keys,
 //! such as `sim.maxEdgeLength`; an attribute has colons instead of dots and the prefix `tailor:`.
 
-mod bind;
-mod check;
 mod file;
 mod groups;
 mod layers;
 mod listed;
 mod lod;
 mod resolved;
-mod sets;
-mod uv_set;
 
-pub use bind::bind_uv_set;
 pub use file::{RecipeFile, is_recipe};
-pub use groups::{OPERATORS, Recipe};
+pub use groups::Recipe;
 pub use groups::{all, find, group_with_instances};
 pub use layers::Layers;
 pub use listed::ListedOperator;
 pub use lod::LodOptions;
-pub use resolved::{Resolved, ResolvedSim};
-pub use sets::RecipeSets;
+pub use resolved::Resolved;
 
 pub use tailor_mesh::options::{Domain, Group, Key};
 
@@ -105,7 +99,7 @@ pub fn table() -> Vec<GroupTable> {
             about: group.about,
             schema: group.schema(None),
             has_instances: group_with_instances(group.name).is_some(),
-            is_operator: OPERATORS.iter().any(|operator| operator.name == group.name),
+            is_operator: Recipe::OPERATORS.iter().any(|operator| operator.name == group.name),
             options: group.keys.iter().map(row).collect(),
         }
     };

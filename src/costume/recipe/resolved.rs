@@ -1,33 +1,18 @@
 //! A recipe for one garment.
 
-use super::bind::{bind, bind_uv_set};
-use super::uv_set::resolve_uv_set;
-use super::{Recipe, RecipeSets};
-use tailor::sim::{Lengths, SimOptions};
+use super::Recipe;
+use tailor::recipe::{RecipeSets, ResolvedMeshes, ResolvedSim, bind, resolve_uv_set};
 use tailor_mesh::error::{Error, Warnings};
-use tailor_mesh::garment::{Mesh, Primvar};
-use tailor_mesh::options::float_primvar;
+use tailor_mesh::garment::Mesh;
+use tailor_mesh::options::within_size_in_meters;
 
 /// A recipe whose values are checked against one garment: lengths are in mesh units, and names are found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Resolved {
     /// The recipe with the lengths that are used.
     pub recipe: Recipe,
-    /// The options of the simulation mesh.
-    pub sim: ResolvedSim,
-    /// The sets that it derives.
-    pub sets: RecipeSets,
-}
-
-/// Options of the simulation mesh for one garment.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ResolvedSim {
-    /// The options with the lengths that are used.
-    pub options: SimOptions,
-    /// Index of the UV set in the garment's primvars.
-    uv_set: Option<usize>,
-    /// Index of the painted density in the garment's primvars.
-    density: Option<usize>,
+    /// What the two meshes are made from, with the sets of the cloth among those of the simulation mesh.
+    pub meshes: ResolvedMeshes,
 }
 
 impl Resolved {
@@ -40,39 +25,14 @@ impl Resolved {
         let mut recipe = recipe.clone();
         recipe.resolve_lengths(mean_edge);
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
-        let sets = warnings.absorb(RecipeSets::new(&recipe, garment)?);
-        bind(&recipe, garment)?;
+        let sets = warnings.absorb(RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, garment)?);
+        bind(&recipe.used(), garment)?;
+        recipe.cloth.check_names(garment)?;
+        for (name, fabric) in &recipe.fabric {
+            within_size_in_meters(&format!("fabric.{name}.thickness"), fabric.thickness, garment)?;
+        }
         let sim = ResolvedSim::new(&recipe.sim, garment)?;
-        Ok((Self { recipe, sim, sets }, warnings))
-    }
-}
-
-impl ResolvedSim {
-    /// Options with their lengths for a garment.
-    ///
-    /// # Errors
-    /// A primvar that the garment lacks.
-    pub fn new(options: &SimOptions, garment: &Mesh) -> Result<Self, Error> {
-        let index =
-            |found: Option<&Primvar>| garment.primvars.iter().position(|p| found.is_some_and(|f| f.name == p.name));
-        let uv_set = index(bind_uv_set(options, garment)?);
-        let density = index(float_primvar(garment, "sim.density", &options.density)?);
-        Ok(Self { options: options.clone(), uv_set, density })
-    }
-
-    /// The options that remeshing reads; those of transfer have one value.
-    pub fn without_transfer(&self) -> Self {
-        Self { options: self.options.without_transfer(), ..*self }
-    }
-
-    /// The UV set whose shell borders are seams.
-    pub fn uv_set<'a>(&self, garment: &'a Mesh) -> Option<&'a Primvar> {
-        self.uv_set.map(|index| &garment.primvars[index])
-    }
-
-    /// The target lengths.
-    pub fn lengths<'a>(&self, garment: &'a Mesh) -> Lengths<'a> {
-        let density = self.density.map(|index| &garment.primvars[index]);
-        Lengths { min: self.options.min_edge_length, max: self.options.max_edge_length, density }
+        let meshes = ResolvedMeshes { recipe: recipe.meshes(), sim, sets };
+        Ok((Self { recipe, meshes }, warnings))
     }
 }

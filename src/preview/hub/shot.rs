@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError};
 use tailor::render::Origins;
 use tailor_costume::drive::{BindPose, Driver};
-use tailor_costume::pipeline::Progress;
+use tailor_costume::pipeline::{Progress, bound as bound_to};
 use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::Mesh;
@@ -159,7 +159,9 @@ impl Bound {
         let playback = Playback::open(&pose.file, &format!("{below}/sim"), sim, source.facts())?;
         let driver = pool.install(|| {
             let builder = builder_for(known, &pose.rendered.job.stage, Progress::default);
-            let binding = builder.bind(&pose.simulated.update, render, &pose.rendered.origins);
+            let garment = Arc::clone(builder.garment());
+            let local = builder.meshes().frame().enter(render);
+            let binding = bound_to(&garment, &pose.simulated.update.simulated, &local, &pose.rendered.origins);
             let corner = |face, k: usize| sim.faces.vertices_of(face)[k].index() as u32;
             let triangles: Vec<[u32; 3]> = sim.faces.ids().map(|face| [0, 1, 2].map(|k| corner(face, k))).collect();
             Driver::new(&BindPose {

@@ -147,7 +147,7 @@ impl Hub {
         let level = shown.render.level;
         let drawn = self.show(Role::Render, job, &update.mesh, || update.sources, start);
         let plays = self.lock().shot.is_some();
-        let origins = plays.then(|| builder.render_origins(&shown)).transpose()?;
+        let origins = plays.then(|| builder.meshes().origins(&shown.meshes())).transpose()?;
         if drawn.message.get().is_none() {
             let figures = Figures::from(&RenderFigures::new(&update.mesh));
             recipe.render.seam_level = update.seam_level;

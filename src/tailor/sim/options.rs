@@ -1,6 +1,7 @@
 //! Options of the simulation mesh.
 
 use serde::{Deserialize, Serialize};
+use tailor_mesh::error::Error;
 use tailor_mesh::options::{Domain, Given, OptionValue, options};
 
 /// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
@@ -125,5 +126,18 @@ impl SimOptions {
         if self.min_edge_length <= 0.0 {
             self.min_edge_length = self.max_edge_length * if self.density.is_empty() { 1.0 } else { 0.5 };
         }
+    }
+
+    /// Checks that the shortest target length is not the longer one.
+    ///
+    /// # Errors
+    /// Two values in the other order.
+    pub fn check_targets(&self) -> Result<(), Error> {
+        let (min, max) = (self.min_edge_length, self.max_edge_length);
+        if min > max && max > 0.0 {
+            let more = format!("{min} is more than sim.maxEdgeLength, {max}");
+            return Err(Error::recipe("sim.minEdgeLength", more).remedy("swap the two values"));
+        }
+        Ok(())
     }
 }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use tailor::recipe::ResolvedSim;
 use tailor::sim::{Baseline, SimOptions};
-use tailor_costume::recipe::{Layers, ResolvedSim};
+use tailor_costume::recipe::Layers;
 use tailor_costume::{Builder, Recipe};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::{Error, Garment};
@@ -41,5 +42,5 @@ pub fn baseline(prepared: &Prepared, level: u32) -> Baseline {
 
 /// The baseline of options whose lengths are resolved.
 pub fn baseline_of(garment: &Mesh, options: &SimOptions) -> Result<Baseline, Error> {
-    Ok(tailor_costume::pipeline::baseline(garment, &ResolvedSim::new(options, garment)?))
+    Ok(tailor::pipeline::baseline(garment, &ResolvedSim::new(options, garment)?))
 }

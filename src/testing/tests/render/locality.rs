@@ -9,8 +9,8 @@ use crate::operators::stack;
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
+use tailor::pipeline::mean_edge_length;
 use tailor::render::RenderSteps;
-use tailor_costume::pipeline::mean_edge_length;
 use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::garment::{Elements, Mesh};
 

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use tailor::codes;
-use tailor_costume::pipeline::mean_edge_length;
+use tailor::pipeline::mean_edge_length;
 use tailor_mesh::connectivity::{FaceId, VertexId};
 use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values, check_garment};
 use tailor_testing::garments::{garments, named};

@@ -7,7 +7,7 @@ use crate::nearest::Nearest;
 use crate::operators::rendered;
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor_costume::pipeline::mean_edge_length;
+use tailor::pipeline::mean_edge_length;
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::garment::{Elements, Mesh};
 use tailor_mesh::subdivide::child_corner;

@@ -8,7 +8,7 @@ use super::referee::{Held, LimitPatches, edges_in, plain, segments};
 use crate::nearest::Nearest;
 use crate::operators::rendered;
 use glam::Vec3;
-use tailor_costume::pipeline::mean_edge_length;
+use tailor::pipeline::mean_edge_length;
 use tailor_mesh::connectivity::{Topology, VertexId};
 use tailor_mesh::garment::{Garment, Mesh, Values};
 use tailor_testing::sheets::with_edges;

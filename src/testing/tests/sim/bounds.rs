@@ -113,7 +113,7 @@ fn a_mesh_that_reaches_its_limit_says_so() {
     let mut recipe = Recipe::default();
     (recipe.sim.density, recipe.sim.baseline_level) = ("density".into(), 0);
     (recipe.sim.min_edge_length, recipe.sim.max_edge_length, recipe.sim.grading) = (0.1, 1.0, 1.05);
-    let expected = builder.plan(&recipe).unwrap_or_else(|e| panic!("{e}")).expected_faces;
+    let expected = builder.plan(&recipe).unwrap_or_else(|e| panic!("{e}")).meshes.expected_faces;
     let is_told = |products: &Products| products.warnings.iter().any(|w| w.code == codes::FACE_LIMIT);
     let free = builder.update(&recipe).unwrap_or_else(|e| panic!("{e}"));
     assert!(free.sim.faces.len() > expected && !is_told(&free), "{} for {expected}", free.sim.faces.len());

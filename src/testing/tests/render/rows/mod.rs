@@ -8,7 +8,7 @@ use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use tailor::codes;
-use tailor_costume::pipeline::mean_edge_length;
+use tailor::pipeline::mean_edge_length;
 use tailor_mesh::connectivity::{Topology, VertexId};
 use tailor_mesh::garment::{Elements, Mesh};
 use tailor_testing::sheets::with_edges;

@@ -1,7 +1,7 @@
 //! The frame of a build. Single precision has few digits left far from the origin, so a garment there is built near it, and
 //! its products are moved back.
 
-use crate::cloth::{Cloth, Rest};
+use crate::codes;
 use glam::Vec3;
 use std::sync::Arc;
 use tailor_mesh::error::{Error, ErrorKind, Warning};
@@ -21,7 +21,6 @@ pub struct LocalFrame {
     origin: Vec3,
     sim: Step<Same<Mesh>, Arc<Mesh>>,
     render: Step<Same<Mesh>, Arc<Mesh>>,
-    cloth: Step<Same<Cloth>, Arc<Cloth>>,
 }
 
 impl LocalFrame {
@@ -36,6 +35,11 @@ impl LocalFrame {
     /// The frame of the same garment, which keeps no product yet.
     pub fn sibling(&self) -> Self {
         Self { origin: self.origin, ..Self::default() }
+    }
+
+    /// Its origin in the garment's space. \[mesh units\]
+    pub fn origin(&self) -> Vec3 {
+        self.origin
     }
 
     /// The spacing of numbers at its origin. \[mesh units\]
@@ -60,8 +64,7 @@ impl LocalFrame {
         }
         let problem =
             format!("the mesh is {far:e} units from the origin: points of the products are rounded to {step}");
-        let warning =
-            Warning::new(tailor::codes::FAR_FROM_ORIGIN, place, problem).amount(step / mean_edge).remedy(remedy);
+        let warning = Warning::new(codes::FAR_FROM_ORIGIN, place, problem).amount(step / mean_edge).remedy(remedy);
         Ok((step > ROUNDED * mean_edge).then_some(warning))
     }
 
@@ -80,23 +83,18 @@ impl LocalFrame {
         back(&mut self.render, self.origin, mesh, moved)
     }
 
-    /// A cloth in the garment's space.
-    pub fn cloth(&mut self, cloth: &Arc<Cloth>) -> Result<Arc<Cloth>, Error> {
-        back(&mut self.cloth, self.origin, cloth, |cloth, by| Cloth {
-            rest: cloth.rest.as_ref().map(|rest| Rest { points: rest.moved(by), ..rest.clone() }),
-            ..cloth.clone()
-        })
-    }
-
     /// An estimate of the memory of the moved products. \[bytes\]
     pub fn bytes(&self) -> usize {
         let meshes = [self.sim.last(), self.render.last()].into_iter().flatten();
-        meshes.map(|mesh| mesh.bytes()).sum::<usize>() + self.cloth.last().map_or(0, |cloth| cloth.bytes())
+        meshes.map(|mesh| mesh.bytes()).sum()
     }
 }
 
-/// A product moved to `origin`; itself if that is zero.
-fn back<T>(
+/// A product moved to `origin` \[mesh units\]; itself if that is zero.
+///
+/// # Errors
+/// None of its own.
+pub fn back<T>(
     step: &mut Step<Same<T>, Arc<T>>,
     origin: Vec3,
     product: &Arc<T>,

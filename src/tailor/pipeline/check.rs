@@ -1,8 +1,9 @@
 //! Checks of a mesh and of sizes that need more than single attributes.
 
-use crate::recipe::Recipe;
+use crate::codes;
+use crate::recipe::MeshRecipe;
+use crate::sim::holes;
 use std::ops::RangeInclusive;
-use tailor::sim::holes;
 use tailor_mesh::connectivity::{Topology, VertexId};
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::garment::{BoundaryInterpolation, Mesh};
@@ -25,7 +26,7 @@ pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
     if !USABLE_LENGTHS.contains(&mean_edge) {
         let remedy = "scale the points, and metersPerUnit with them, so that a garment measures 0.1 to 1000 units";
         let fault_text = format!("the mean edge length is {mean_edge:e}, too far from 1 to compute with");
-        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(tailor::codes::MESH_SIZE));
+        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(codes::MESH_SIZE));
     }
     if garment.faces.ids().all(|f| garment.doubled_normal(f).length() == 0.0) {
         return fault("points", "no face has an area".into(), "give the points their positions");
@@ -40,12 +41,12 @@ pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
 }
 
 /// Checks that the refined meshes fit in memory.
-pub fn levels(garment: &Mesh, recipe: &Recipe) -> Result<(), Error> {
+pub fn levels(garment: &Mesh, recipe: &MeshRecipe) -> Result<(), Error> {
     for (key, level) in [("sim.baselineLevel", recipe.sim.baseline_level), ("render.level", recipe.render.level)] {
         let faces = refined_faces(garment, level);
         if faces > MAX_REFINED_FACES && level > 0 {
             let fault = format!("level {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
-            return Err(Error::recipe(key, fault).code(tailor::codes::TOO_LARGE).remedy("lower the level"));
+            return Err(Error::recipe(key, fault).code(codes::TOO_LARGE).remedy("lower the level"));
         }
     }
     Ok(())

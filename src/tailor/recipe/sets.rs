@@ -1,8 +1,9 @@
 //! Sets that a recipe describes by expressions.
 
-use super::{OPERATORS, Recipe};
+use super::{MeshRecipe, UsedGroup};
+use crate::codes;
+use crate::sets::{SetEvaluator, is_subset_name, quoted};
 use std::cell::LazyCell;
-use tailor::sets::{SetEvaluator, is_subset_name, quoted};
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{DERIVED, Mesh, Subset};
 use tailor_mesh::options::{Domain, Given, float_primvar, subset_of};
@@ -17,16 +18,17 @@ pub struct RecipeSets {
 }
 
 impl RecipeSets {
-    /// Evaluates what a recipe with a resolved UV set names and the garment has no subset for. Warns of sets without elements.
+    /// Evaluates what groups of options name and the garment has no subset for; `uv_set` is the resolved one. Warns of sets without
+    /// elements.
     ///
     /// # Errors
     /// A text that is not an expression, or that does not fit the garment.
-    pub fn new(recipe: &Recipe, garment: &Mesh) -> Result<(Self, Warnings), Error> {
-        let evaluator = LazyCell::new(|| SetEvaluator::new(garment, &recipe.sim.uv_set));
+    pub fn new(groups: &[UsedGroup<'_>], uv_set: &str, garment: &Mesh) -> Result<(Self, Warnings), Error> {
+        let evaluator = LazyCell::new(|| SetEvaluator::new(garment, uv_set));
         let (mut found, mut warnings) = (Self::default(), Warnings::default());
-        for (prefix, options) in recipe.used() {
+        for (prefix, options) in groups {
             let group = options.group();
-            let is_operator = OPERATORS.iter().any(|operator| operator.name == group.name);
+            let is_operator = MeshRecipe::OPERATORS.iter().any(|operator| operator.name == group.name);
             let sets = if is_operator { &mut found.render } else { &mut found.sim };
             for (key, given) in group.keys.iter().zip(options.given()) {
                 let (Domain::Sets { of, .. }, Given::Names(names)) = (key.domain, given) else { continue };
@@ -73,27 +75,28 @@ fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {
 
 fn empty(place: &str, name: &str, notes: &[String]) -> Warning {
     let there = if notes.is_empty() { String::new() } else { format!(": {}", notes.join("; ")) };
-    let warning = Warning::new(tailor::codes::EMPTY_SET, place, format!("\"{name}\" has no elements{there}"));
+    let warning = Warning::new(codes::EMPTY_SET, place, format!("\"{name}\" has no elements{there}"));
     warning.remedy("Change the expression; `usdtailor info` lists the sets of the garment")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tailor::render::{FoldOptions, SeamOptions};
+    use crate::render::{FoldOptions, SeamOptions};
     use tailor_mesh::garment::check_garment;
     use tailor_testing::sheets::grid;
 
     #[test]
     fn each_option_checks_the_kind_of_a_set_that_another_names_too() {
         let garment = check_garment(grid(2, 2, |_, _| true)).expect("a good mesh").0;
-        let mut recipe = Recipe::default();
+        let mut recipe = MeshRecipe::default();
         let edges = vec!["borders".to_owned()];
         recipe.seam.insert("a".into(), SeamOptions { edges: edges.clone(), ..SeamOptions::default() });
-        let (sets, warnings) = RecipeSets::new(&recipe, &garment).expect("edges for a seam");
+        let (sets, warnings) = RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, &garment).expect("edges for a seam");
         assert_eq!((sets.sim.len(), sets.render.len(), warnings.iter().count()), (0, 1, 0));
         recipe.fold.insert("b".into(), FoldOptions { faces: edges, ..FoldOptions::default() });
-        let fault = RecipeSets::new(&recipe, &garment).expect_err("edges for a fold").to_string();
+        let fault =
+            RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, &garment).expect_err("edges for a fold").to_string();
         assert!(fault.contains("gives edges, and it takes faces"), "{fault}");
     }
 }

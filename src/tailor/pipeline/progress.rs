@@ -53,16 +53,22 @@ pub struct Timing {
 }
 
 /// Runs steps, tells of them and takes their times.
-pub(super) struct Clock<'a> {
+pub struct Clock<'a> {
     progress: &'a Progress,
+    /// The times of the steps so far.
     pub timings: Vec<Timing>,
 }
 
 impl<'a> Clock<'a> {
+    /// A clock that tells of each step by `progress`.
     pub fn new(progress: &'a Progress) -> Self {
         Self { progress, timings: Vec::new() }
     }
 
+    /// Runs a step.
+    ///
+    /// # Errors
+    /// Those of the step, and cancellation before it.
     pub fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
         self.progress.check()?;
         self.progress.report.iter().for_each(|report| report(name));
@@ -73,6 +79,9 @@ impl<'a> Clock<'a> {
     }
 
     /// Fails if the build was cancelled during its last step, so that the next one is not.
+    ///
+    /// # Errors
+    /// Cancellation.
     pub fn finish(&self) -> Result<(), Error> {
         self.progress.check()
     }

@@ -1,6 +1,7 @@
 //! The UV set that a recipe means where it names none.
 
-use tailor::sim::SimOptions;
+use crate::codes;
+use crate::sim::SimOptions;
 use tailor_mesh::error::Warning;
 use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 
@@ -59,7 +60,7 @@ fn unusable(garment: &Mesh, uvs: &Primvar, found: Option<&Primvar>, sets: &[&Pri
     let remedy = format!(
         "Export it as texCoord2f[] with the interpolation faceVarying{others}, or name edge sets in sim.constraints"
     );
-    Warning::new(tailor::codes::NO_UV_SET, &garment.prim, problem).remedy(remedy)
+    Warning::new(codes::NO_UV_SET, &garment.prim, problem).remedy(remedy)
 }
 
 fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
@@ -76,5 +77,5 @@ fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
             "Unwrap it, or name edge sets in sim.constraints; sim.uvSet= stands for none".to_owned(),
         )
     };
-    Warning::new(tailor::codes::NO_UV_SET, &garment.prim, problem).remedy(remedy)
+    Warning::new(codes::NO_UV_SET, &garment.prim, problem).remedy(remedy)
 }

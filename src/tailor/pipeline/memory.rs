@@ -1,7 +1,8 @@
 //! How much memory a build needs, from sizes that are known before it.
 
 use super::sim::{expected_faces, surface_level};
-use crate::recipe::{Resolved, ResolvedSim};
+use crate::codes;
+use crate::recipe::{ResolvedMeshes, ResolvedSim};
 use serde::Serialize;
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::Mesh;
@@ -32,7 +33,7 @@ pub struct MemoryEstimate {
 
 impl MemoryEstimate {
     /// The estimate for a resolved recipe.
-    pub(super) fn new(garment: &Mesh, Resolved { recipe, sim, .. }: &Resolved) -> Self {
+    pub fn new(garment: &Mesh, ResolvedMeshes { recipe, sim, .. }: &ResolvedMeshes) -> Self {
         let faces = garment.faces.len().max(1);
         let attributes = COPIES * garment.bytes() / faces;
         let expected = expected_faces(garment, sim);
@@ -45,13 +46,14 @@ impl MemoryEstimate {
     }
 
     /// The estimate for that surface alone.
-    pub(super) fn surface(garment: &Mesh, sim: &ResolvedSim) -> Self {
+    pub fn surface(garment: &Mesh, sim: &ResolvedSim) -> Self {
         let faces = refined_faces(garment, surface_level(garment, sim));
         Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 }
     }
 
     /// Of two builds whose results are held together.
-    pub(super) fn with(&self, other: &Self) -> Self {
+    #[must_use]
+    pub fn with(&self, other: &Self) -> Self {
         Self {
             baseline: self.baseline.saturating_add(other.baseline),
             sim: self.sim.saturating_add(other.sim),
@@ -64,8 +66,11 @@ impl MemoryEstimate {
         self.baseline.saturating_add(self.sim).saturating_add(self.render)
     }
 
-    /// Refuses a build that needs more than `limit`.
-    pub(super) fn check(&self, limit: usize) -> Result<(), Error> {
+    /// Refuses a build that needs more than `limit`. \[bytes\]
+    ///
+    /// # Errors
+    /// A build that does, with the option that needs most.
+    pub fn check(&self, limit: usize) -> Result<(), Error> {
         if self.bytes() <= limit {
             return Ok(());
         }
@@ -83,7 +88,7 @@ impl MemoryEstimate {
             gigabytes(limit)
         );
         Err(Error::recipe(key, fault)
-            .code(tailor::codes::TOO_LARGE)
+            .code(codes::TOO_LARGE)
             .remedy(format!("{remedy}, or allow more memory (--max-memory of the command)")))
     }
 }

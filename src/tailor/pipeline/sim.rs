@@ -1,11 +1,12 @@
 //! The steps from a garment to its simulation mesh.
 
 use super::progress::Clock;
+use crate::codes;
 use crate::recipe::ResolvedSim;
+use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
+use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, baseline_level, simulate};
+use crate::transfer::{SetCurve, TransferResult, transfer};
 use std::sync::Arc;
-use tailor::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
-use tailor::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, baseline_level, simulate};
-use tailor::transfer::{SetCurve, TransferResult, transfer};
 use tailor_mesh::connectivity::{CornerId, FaceId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Elements, Mesh, Subset, face_sets_warning};
@@ -33,14 +34,19 @@ pub struct SimSteps {
 
 /// A simulation mesh before the transfer of attributes.
 pub struct RemeshResult {
+    /// The mesh.
     pub product: SimProduct,
+    /// Warnings of it.
     pub warnings: Warnings,
 }
 
 /// A simulation mesh with attributes.
 pub struct SimResult {
+    /// The mesh without attributes.
     pub remeshed: Arc<RemeshResult>,
+    /// The mesh.
     pub mesh: Arc<Mesh>,
+    /// Warnings of the transfer.
     pub warnings: Warnings,
     curves: Vec<SetCurve>,
     areas: Vec<SubsetArea>,
@@ -58,6 +64,11 @@ impl SimSteps {
     /// The steps of a garment.
     pub fn new(garment: Arc<Mesh>) -> Self {
         Self { garment, remeshed: Step::default(), simulated: Step::default() }
+    }
+
+    /// The garment.
+    pub fn garment(&self) -> &Arc<Mesh> {
+        &self.garment
     }
 
     /// The simulation mesh.
@@ -128,7 +139,7 @@ pub fn check_size(garment: &Mesh, sim: &ResolvedSim, max_faces: usize) -> Result
     }
     let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
     let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
-    Err(Error::recipe("sim.maxEdgeLength", fault).code(tailor::codes::TOO_LARGE).remedy(remedy))
+    Err(Error::recipe("sim.maxEdgeLength", fault).code(codes::TOO_LARGE).remedy(remedy))
 }
 
 fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock<'_>) -> Result<RemeshResult, Error> {
@@ -153,7 +164,7 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     warnings.extend(flipped_uvs(garment, options, &product.baseline));
     if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
-        let warning = Warning::new(tailor::codes::FACE_LIMIT, "simulation mesh", problem);
+        let warning = Warning::new(codes::FACE_LIMIT, "simulation mesh", problem);
         warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
     }
     warnings.extend(curves_cut(&product));
@@ -175,7 +186,7 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
         options.smallest_shell
     );
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
-    let warning = Warning::new(tailor::codes::SMALL_SHELLS, place, problem).at(Elements::Faces(faces));
+    let warning = Warning::new(codes::SMALL_SHELLS, place, problem).at(Elements::Faces(faces));
     Some(warning.remedy("Set sim.smallestShell to 0 to follow them all, or lower sim.maxEdgeLength"))
 }
 
@@ -189,7 +200,7 @@ fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
         return None;
     }
     let problem = format!("{cut} of {} edges are UV seams, and the mesh has to follow them", inner().count());
-    let warning = Warning::new(tailor::codes::UV_CONFETTI, format!("UV set {}", options.uv_set), problem);
+    let warning = Warning::new(codes::UV_CONFETTI, format!("UV set {}", options.uv_set), problem);
     Some(warning.remedy("Unwrap the garment in panels, or set sim.constrainUvSeams to false"))
 }
 
@@ -203,7 +214,7 @@ fn flipped_uvs(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Opt
         "UVs are flipped or have no area in {}; the simulation mesh ignores them there",
         counted(faces.len(), "face", "faces")
     );
-    let warning = Warning::new(tailor::codes::FLIPPED_UVS, place, problem).at(Elements::Faces(faces));
+    let warning = Warning::new(codes::FLIPPED_UVS, place, problem).at(Elements::Faces(faces));
     (!baseline.flipped.is_empty()).then(|| warning.remedy("Correct the UVs, or name another UV set in sim.uvSet"))
 }
 
@@ -218,7 +229,7 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
         counted(gaps.len(), "border, seam or constraint bends", "borders, seams or constraints bend")
     );
     let near = Elements::Points(gaps.iter().map(|gap| gap.near).collect());
-    let warning = Warning::new(tailor::codes::CURVES_CUT, "simulation mesh", problem).at(near).amount(farthest);
+    let warning = Warning::new(codes::CURVES_CUT, "simulation mesh", problem).at(near).amount(farthest);
     Some(warning.remedy("Lower sim.maxEdgeLength, or sim.cornerAngle"))
 }
 
@@ -242,22 +253,21 @@ fn uvs_flipped(product: &SimProduct) -> Option<Warning> {
         |&triangle: &usize| product.baseline.source_face[product.places[CornerId::new(3 * triangle)].location.face];
     let near = Elements::Faces(flipped.iter().map(source).collect());
     let problem = format!("{} triangles are flipped in the UVs", flipped.len());
-    let warning = Warning::new(tailor::codes::UV_FLIPS, "simulation mesh", problem);
+    let warning = Warning::new(codes::UV_FLIPS, "simulation mesh", problem);
     Some(warning.at(near).remedy("Mend the UVs there, or lower sim.maxEdgeLength"))
 }
 
 /// The warning of face subsets that have another area than on the surface, and are not blurred, which says so already.
 fn area_changed(garment: &Mesh, areas: &[SubsetArea], told: &Warnings) -> Option<Warning> {
     let change = |s: &&SubsetArea| (s.area - s.source_area).abs() / s.source_area;
-    let is_blurred =
-        |s: &SubsetArea| told.iter().any(|w| w.code == tailor::codes::SETS_BLURRED && w.names.contains(&s.name));
+    let is_blurred = |s: &SubsetArea| told.iter().any(|w| w.code == codes::SETS_BLURRED && w.names.contains(&s.name));
     let is_changed = |s: &&SubsetArea| s.source_area > 0.0 && change(s) > AREA_CHANGE && !is_blurred(s);
     let changed: Vec<&SubsetArea> = areas.iter().filter(is_changed).collect();
     let largest = changed.iter().map(change).reduce(f64::max)?;
     let is_named = |set: &&Subset| changed.iter().any(|s| s.name == set.name);
     let sets: Vec<&Subset> = garment.subsets.iter().filter(is_named).collect();
     let problem = format!("their area on the simulation mesh differs by up to {:.0} %", 100.0 * largest);
-    let warning = face_sets_warning(tailor::codes::AREA_CHANGED, &sets, problem);
+    let warning = face_sets_warning(codes::AREA_CHANGED, &sets, problem);
     let remedy = "Lower sim.maxEdgeLength, or name edge sets along folds in sim.constraints";
     Some(warning.amount(largest as f32).remedy(remedy))
 }

@@ -1,0 +1,78 @@
+//! The options of the two meshes for one garment.
+
+use super::bind::{bind, bind_uv_set};
+use super::uv_set::resolve_uv_set;
+use super::{MeshRecipe, RecipeSets};
+use crate::sim::{Lengths, SimOptions};
+use tailor_mesh::error::{Error, Warnings};
+use tailor_mesh::garment::{Mesh, Primvar};
+use tailor_mesh::options::float_primvar;
+
+/// The options of the two meshes, with values that are checked against one garment: lengths are in mesh units, and names are found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedMeshes {
+    /// The options with the lengths that are used.
+    pub recipe: MeshRecipe,
+    /// Those of the simulation mesh, with what they name.
+    pub sim: ResolvedSim,
+    /// The sets that the recipe derives.
+    pub sets: RecipeSets,
+}
+
+/// Options of the simulation mesh for one garment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResolvedSim {
+    /// The options with the lengths that are used.
+    pub options: SimOptions,
+    /// Index of the UV set in the garment's primvars.
+    uv_set: Option<usize>,
+    /// Index of the painted density in the garment's primvars.
+    density: Option<usize>,
+}
+
+impl ResolvedMeshes {
+    /// A recipe for a garment with this mean edge length \[mesh units\], and the warnings of a UV set that is missing and of empty sets.
+    ///
+    /// # Errors
+    /// A value that its option does not take, or that does not fit the garment; a name that the garment lacks.
+    pub fn new(recipe: &MeshRecipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
+        recipe.check()?;
+        let mut recipe = recipe.clone();
+        recipe.resolve_lengths(mean_edge);
+        let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
+        let sets = warnings.absorb(RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, garment)?);
+        bind(&recipe.used(), garment)?;
+        let sim = ResolvedSim::new(&recipe.sim, garment)?;
+        Ok((Self { recipe, sim, sets }, warnings))
+    }
+}
+
+impl ResolvedSim {
+    /// Options with their lengths for a garment.
+    ///
+    /// # Errors
+    /// A primvar that the garment lacks.
+    pub fn new(options: &SimOptions, garment: &Mesh) -> Result<Self, Error> {
+        let index =
+            |found: Option<&Primvar>| garment.primvars.iter().position(|p| found.is_some_and(|f| f.name == p.name));
+        let uv_set = index(bind_uv_set(options, garment)?);
+        let density = index(float_primvar(garment, "sim.density", &options.density)?);
+        Ok(Self { options: options.clone(), uv_set, density })
+    }
+
+    /// The options that remeshing reads; those of transfer have one value.
+    pub fn without_transfer(&self) -> Self {
+        Self { options: self.options.without_transfer(), ..*self }
+    }
+
+    /// The UV set whose shell borders are seams.
+    pub fn uv_set<'a>(&self, garment: &'a Mesh) -> Option<&'a Primvar> {
+        self.uv_set.map(|index| &garment.primvars[index])
+    }
+
+    /// The target lengths.
+    pub fn lengths<'a>(&self, garment: &'a Mesh) -> Lengths<'a> {
+        let density = self.density.map(|index| &garment.primvars[index]);
+        Lengths { min: self.options.min_edge_length, max: self.options.max_edge_length, density }
+    }
+}

@@ -1,0 +1,93 @@
+//! The crates below `src`: each uses what `docs/architecture.md` draws, and keeps the budget of lines that its README names.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Folders of the crates, in the order of the drawing.
+const CRATES: [&str; 6] = ["mesh", "tailor", "costume", "usd", "preview", "command"];
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+/// The manifest of a crate. That of the command is the repository's.
+fn manifest(folder: &str) -> String {
+    let own = root().join("src").join(folder).join("Cargo.toml");
+    let text = read(&if own.exists() { own } else { root().join("Cargo.toml") });
+    let package = text.split_once("[package]").expect("a package").1;
+    package.to_owned()
+}
+
+/// The crates of this project that a manifest's `[dependencies]` name.
+fn uses(manifest: &str) -> BTreeSet<String> {
+    let dependencies = manifest.split_once("\n[dependencies]\n").expect("dependencies").1;
+    let own = dependencies.lines().take_while(|line| !line.starts_with('['));
+    let names = own.filter_map(|line| line.split_once(['.', ' ']));
+    names.map(|(name, _)| name.to_owned()).filter(|name| name == "tailor" || name.starts_with("tailor-")).collect()
+}
+
+fn name(manifest: &str) -> String {
+    let line = manifest.lines().find_map(|line| line.strip_prefix("name = \"")).expect("a name");
+    line.trim_end_matches('"').to_owned()
+}
+
+#[test]
+fn crates_use_what_the_page_draws() {
+    let page = read(&root().join("docs/architecture.md"));
+    let lines = page.lines().filter_map(|line| line.split_once(" -> "));
+    let list = |to: &str| to.split(',').map(|name| name.trim().to_owned()).filter(|name| name != "-").collect();
+    let drawn: BTreeMap<String, BTreeSet<String>> =
+        lines.map(|(from, to)| (from.trim().to_owned(), list(to))).collect();
+    let found: BTreeMap<String, BTreeSet<String>> =
+        CRATES.iter().map(|folder| manifest(folder)).map(|text| (name(&text), uses(&text))).collect();
+    assert_eq!(found, drawn, "docs/architecture.md draws other arrows than the manifests have");
+}
+
+/// Source files of a crate without tests.
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if path.is_dir() && !["tests", "examples", "page"].contains(&name.as_str()) {
+            sources(&path, found);
+        } else if name.ends_with(".rs") && name != "tests.rs" {
+            found.push(path);
+        }
+    }
+}
+
+/// The lines of a file that are code: neither blank, nor comments, nor unit tests.
+fn lines_of_code(text: &str) -> usize {
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    code.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with("//")).count()
+}
+
+#[test]
+fn crates_keep_their_budgets() {
+    for folder in CRATES {
+        let folder = root().join("src").join(folder);
+        let readme = read(&folder.join("README.md"));
+        let (_, after) =
+            readme.split_once("**Budget**: ").unwrap_or_else(|| panic!("{} names no budget", folder.display()));
+        let budget: usize = after.split(' ').next().unwrap_or_default().replace(',', "").parse().expect("a number");
+        let mut files = Vec::new();
+        sources(&folder, &mut files);
+        let lines: usize = files.iter().map(|file| lines_of_code(&read(file))).sum();
+        assert!(
+            lines <= budget,
+            "{} has {lines} lines of code, and a budget of {budget}: make something smaller",
+            folder.display()
+        );
+    }
+}
+
+#[test]
+fn comments_blanks_and_unit_tests_are_no_code() {
+    let text = "//! A page.\n\nuse a::b;\n/// A.\nfn a() {}\n\n#[cfg(test)]\nmod tests {\n    fn b() {}\n}\n";
+    assert_eq!(lines_of_code(text), 2);
+}
