@@ -86,6 +86,26 @@ fn crates_keep_their_budgets() {
     }
 }
 
+/// The files of CONTRIBUTING.md that have to name each operator, which neither a compiler nor a generated file makes them do.
+const PLACES: [&str; 4] = [
+    "src/preview/page/src/server/options.ts",
+    "python/blender/recipe.py",
+    "python/blender/sets.py",
+    "python/blender/panels.py",
+];
+
+#[test]
+fn every_operator_is_in_all_its_places() {
+    let contributing = read(&root().join("CONTRIBUTING.md"));
+    for place in PLACES {
+        assert!(contributing.contains(&format!("`{place}`")), "CONTRIBUTING.md lacks {place}");
+        let text = read(&root().join(place));
+        for group in tailor_costume::Recipe::OPERATORS {
+            assert!(text.contains(&format!("\"{}\"", group.name)), "{place} lacks the operator {}", group.name);
+        }
+    }
+}
+
 #[test]
 fn comments_blanks_and_unit_tests_are_no_code() {
     let text = "//! A page.\n\nuse a::b;\n/// A.\nfn a() {}\n\n#[cfg(test)]\nmod tests {\n    fn b() {}\n}\n";

@@ -8,7 +8,7 @@ use super::messages::{
 };
 use glam::Vec3;
 use serde_json::Value;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use tailor::sets::checksum;
@@ -20,7 +20,7 @@ use tailor_mesh::connectivity::FaceId;
 use tailor_mesh::error::{Error, Warning, counted};
 use tailor_mesh::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
 use tailor_usd::session::{FitWay, Input, OpenGarment, is_usd};
-use tailor_usd::{ReadOptions, Source, body_of, decimal};
+use tailor_usd::{Look, ReadOptions, Source, body_of, decimal};
 
 use images::Images;
 
@@ -79,8 +79,9 @@ impl Stage {
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
         let shown = with_listed_sets(&checks);
-        let images = Images::of(source.looks().values());
-        let message = message(&source, &checks, &shown, &images, input, body.as_ref());
+        let looks = source.looks();
+        let images = Images::of(looks.values());
+        let message = message(&source, &checks, &shown, (&looks, &images), input, body.as_ref());
         Ok(Self { source, mesh, checks, shown, upstream, given, body, way, images, message })
     }
 
@@ -203,13 +204,13 @@ fn message(
     source: &Source,
     checks: &Builder,
     shown: &Mesh,
-    images: &Images,
+    (looks, images): (&BTreeMap<String, Look>, &Images),
     input: &Input,
     body: Option<&Body>,
 ) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let warnings = checks.warnings_in_mesh(checks.warnings());
-    let looks = source.looks().iter();
+    let looks = looks.iter();
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),

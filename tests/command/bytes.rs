@@ -1,7 +1,7 @@
 //! The same bytes, whatever the number of threads and however often.
 
 use crate::folder::Folder;
-use crate::garments::garments;
+use tailor_testing::garments::garments;
 use serde_json::Value;
 use std::path::Path;
 

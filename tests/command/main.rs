@@ -5,9 +5,6 @@ mod cloth;
 mod examples;
 mod faults;
 mod folder;
-#[allow(dead_code, reason = "these tests name no garment")]
-#[path = "../../src/testing/garments.rs"]
-mod garments;
 mod outputs;
 mod payloads;
 mod printing;

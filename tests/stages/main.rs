@@ -4,8 +4,6 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod fuzz_replay;
-#[path = "../../src/testing/garments.rs"]
-mod garments;
 mod reading;
 mod session;
 mod stage;

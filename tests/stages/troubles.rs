@@ -1,6 +1,6 @@
 //! Each garment of `tests/garments` has the trouble that its name tells of, so that no change of the script loses it.
 
-use crate::garments::named;
+use tailor_testing::garments::named;
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_costume::{Builder, Recipe};

@@ -1,6 +1,6 @@
 //! What is written: layers over the input, flattened layers and packages.
 
-use crate::garments::garments;
+use tailor_testing::garments::garments;
 use crate::stage::*;
 use std::fs;
 use std::path::Path;

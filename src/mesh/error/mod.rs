@@ -28,7 +28,7 @@ pub enum ErrorKind {
     Recipe,
     /// The command line is wrong.
     Usage,
-    /// [`Progress::cancel`](tailor_costume::Progress::cancel) ended the build.
+    /// The build was cancelled.
     Cancelled,
     /// This program is at fault.
     Internal,

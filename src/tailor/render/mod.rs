@@ -13,10 +13,8 @@
 //!    [`operator::Operator`]). [`apply`](operator::Operator::apply) builds the connectivity with a [`child::ChildBuilder`]
 //!    and lists the vertices whose limit position is controlled; [`heights`](operator::Operator::heights) raises each of
 //!    them.
-//! 2. A row in `recipe/groups.rs`, at its place in the default order, and an export of the options here and in `lib.rs`.
-//! 3. A heading in docs/recipe.md with marks for its table. `cargo xtask options` writes the table and the schema.
-//! 4. A hint for payloads in `usd/read/diagnostics/payloads.rs`; in the page of the preview a word and an icon
-//!    (`server/options.ts`, `recipe/Stack.tsx`, `controls/icons.tsx`).
+//! 2. A row in `recipe/groups.rs`, and an export of the options here and in `lib.rs`. `CONTRIBUTING.md` of the repository lists the
+//!    other places: the whole recipe, documents, the page of the preview, the extension for Blender.
 
 pub mod child;
 mod fold;

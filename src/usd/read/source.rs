@@ -1,6 +1,5 @@
 //! An opened garment.
 
-use super::bindings::{Look, looks};
 use super::choose::{all_prims, choose_mesh};
 use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather, material_paths, materials};
@@ -18,7 +17,6 @@ use glam::Vec3;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
@@ -80,7 +78,6 @@ pub struct Source {
     pub(crate) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
-    pub(super) looks: BTreeMap<String, Look>,
     pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
@@ -158,17 +155,7 @@ impl Source {
         warnings.extend(of_mesh);
         warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
         let records = BuildRecord::in_layers(stage);
-        let mut source = Self {
-            model,
-            garment,
-            recipe,
-            facts,
-            looks: looks(stage, &bound),
-            warnings,
-            records,
-            seams: Vec::new(),
-            fitted: None,
-        };
+        let mut source = Self { model, garment, recipe, facts, warnings, records, seams: Vec::new(), fitted: None };
         source.sew_itself(tolerance);
         Ok(source)
     }
@@ -221,11 +208,6 @@ impl Source {
     /// Facts about the model and its surroundings.
     pub fn facts(&self) -> &Facts {
         &self.facts
-    }
-
-    /// The looks of materials by subset; that of the whole mesh under an empty name.
-    pub fn looks(&self) -> &BTreeMap<String, Look> {
-        &self.looks
     }
 
     /// The layers in use that this program built, and what they were made of.

@@ -2,10 +2,8 @@
 //! of the stage, and has no product. `looks` says how materials look.
 
 mod collection;
-mod looks;
 
 pub use collection::{COLLECTION, Collection};
-pub use looks::{Look, looks};
 
 use super::model::Model;
 use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value, with_ancestors};

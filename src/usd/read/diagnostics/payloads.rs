@@ -9,10 +9,8 @@ use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, PayloadListOp, Value};
 use openusd::usd::{Prim, PrimPredicate};
 use std::path::{Path, PathBuf};
+use tailor_costume::recipe::group_with_instances;
 use tailor_mesh::error::{Error, Warning};
-
-/// The options of operators and fabrics, with the schema that makes a payload follow them.
-const NAMED: [(&str, &str); 3] = [("seam", "TailorSeamAPI"), ("fold", "TailorFoldAPI"), ("fabric", "TailorFabricAPI")];
 
 /// The payloads of `.tailor` files in a stage.
 #[derive(Clone, Debug, Default)]
@@ -70,10 +68,11 @@ impl Holder {
         }
         let named = option.strip_prefix(names::RECIPE).and_then(|key| key.split_once(':'));
         if let Some((kind, key)) = named
-            && let Some((_, schema)) = NAMED.iter().find(|(known, _)| *known == kind)
+            && let Some(group) = group_with_instances(kind)
             && let Some((name, _)) = key.rsplit_once(':')
         {
-            remedy += &format!(", with the schema {schema}:{name}");
+            // The schema makes a payload follow the options of this name.
+            remedy += &format!(", with the schema {}", group.schema(Some(name)));
         }
         Warning::new(codes::MISPLACED_OPTION, format!("{}.{option}", prim.path()), problem).remedy(remedy)
     }

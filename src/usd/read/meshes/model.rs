@@ -2,7 +2,6 @@
 
 use super::recipe;
 use crate::names;
-use crate::read::bindings::looks;
 use crate::read::bindings::resolve_inherited;
 use crate::read::facts::{material_paths, materials};
 use crate::read::model::{Model, Sewing, SubsetRecord, siblings};
@@ -111,17 +110,7 @@ pub fn sewn(
     sewn.mesh.space = space_of(stage, &space)?;
     let bound = material_paths(&model, &facts);
     sewn.mesh.materials = materials(&bound);
-    Ok(Source {
-        model,
-        garment: Ok(sewn.mesh),
-        recipe,
-        facts,
-        warnings,
-        records,
-        seams,
-        fitted: None,
-        looks: looks(stage, &bound),
-    })
+    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams, fitted: None })
 }
 
 /// The nearest prim above all panels.

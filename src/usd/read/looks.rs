@@ -1,6 +1,9 @@
 //! How materials look: the constants of their preview surfaces, and their textures of colour.
 
+use super::Source;
+use super::facts::material_paths;
 use crate::assets::file_path;
+use crate::on_large_stack;
 use crate::read::query::{prim_at, text_value, value};
 use crate::values::number;
 use openusd::sdf::{Path, Value};
@@ -22,11 +25,18 @@ pub struct Look {
     pub roughness: Option<f32>,
 }
 
-/// The looks of materials by subset. `bound` has their paths. What has no preview surface, or one that cannot be read, is left out:
-/// a garment is shown without it.
-pub fn looks(stage: &Stage, bound: &BTreeMap<String, String>) -> BTreeMap<String, Look> {
-    let of = |(subset, material): (&String, &String)| Some((subset.clone(), look(stage, material)?));
-    bound.iter().filter_map(of).collect()
+impl Source {
+    /// The looks of materials by subset; that of the whole mesh under an empty name. The stage is opened again for them. What has no
+    /// preview surface, or one that cannot be read, is left out: a garment is shown without it.
+    pub fn looks(&self) -> BTreeMap<String, Look> {
+        let bound = material_paths(&self.model, &self.facts);
+        let read = || {
+            let stage = self.model.origin.open()?;
+            let of = |(subset, material): (&String, &String)| Some((subset.clone(), look(&stage, material)?));
+            Ok(bound.iter().filter_map(of).collect())
+        };
+        on_large_stack(read).unwrap_or_default()
+    }
 }
 
 fn look(stage: &Stage, material: &str) -> Option<Look> {
@@ -158,7 +168,7 @@ def Xform "Cloth" {{
         );
         fs::write(&path, text).expect("a file");
         fs::write(folder.path().join("silk.png"), "an image").expect("a file");
-        Source::open(&path, &ReadOptions::default()).expect("a garment").looks().clone()
+        Source::open(&path, &ReadOptions::default()).expect("a garment").looks()
     }
 
     #[test]
