@@ -1,9 +1,9 @@
 //! The same bytes, whatever the number of threads and however often.
 
 use crate::folder::Folder;
-use tailor_testing::garments::garments;
 use serde_json::Value;
 use std::path::Path;
+use tailor_testing::garments::garments;
 
 /// The output and the report, without what differs by nature: times.
 fn build(garment: &Path, threads: u32) -> (Vec<u8>, Value) {

@@ -1,10 +1,10 @@
 //! Each garment of `tests/garments` has the trouble that its name tells of, so that no change of the script loses it.
 
-use tailor_testing::garments::named;
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_costume::{Builder, Recipe};
 use tailor_mesh::{Garment, Values, glam};
+use tailor_testing::garments::named;
 use tailor_usd::{ReadOptions, Source};
 
 /// A cage of quads with UVs.

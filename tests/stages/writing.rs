@@ -1,10 +1,10 @@
 //! What is written: layers over the input, flattened layers and packages.
 
-use tailor_testing::garments::garments;
 use crate::stage::*;
 use std::fs;
 use std::path::Path;
 use tailor_mesh::Garment;
+use tailor_testing::garments::garments;
 use tailor_usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 /// A coat with attributes of many kinds.

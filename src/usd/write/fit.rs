@@ -2,21 +2,49 @@
 
 use super::layer::{LayerContext, WriteOptions, overlay};
 use super::product::{Author, extent};
-use super::role::SetChoice;
+use super::role::{GarmentProducts, SetChoice};
 use super::save::OutputFile;
-use super::trims::{BoundTrim, FittedTrims, fitted_trims};
+use super::trims::{BoundTrim, FittedTrims, TrimBindings, fitted_trims};
 use super::variant::copy_into_variant;
 use crate::read::{
     FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, frozen_trim, points_name, prim_at,
     property_names, transforms, value,
 };
-use crate::{names, on_large_stack};
+use crate::{codes, names, on_large_stack};
 use glam::Vec3;
 use openusd::sdf::{self, AbstractData, FieldKey, PrimSpec, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::path::Path;
 use tailor_mesh::error::{Error, Warning, Warnings};
+
+/// Authors the points of the garments that are on another body, and of their trims.
+///
+/// # Errors
+/// Such a garment in a variant, and a stage that cannot be read again.
+pub fn author_fits(
+    data: &mut sdf::Data,
+    garments: &[GarmentProducts],
+    trims: &TrimBindings,
+    frame: LayerContext,
+) -> Result<Warnings, Error> {
+    let fitted: Vec<&Source> = garments.iter().map(|of| of.source).filter(|source| source.fitted.is_some()).collect();
+    let Some(Source { model, .. }) = fitted.first() else { return Ok(Warnings::default()) };
+    garments.iter().try_for_each(refuse_variant)?;
+    let is_overlay = !frame.flatten;
+    let mut author = Author { data, model, anchor: frame.anchor, is_overlay, sets: SetChoice::None };
+    author.fitted(&model.origin.open()?, &fitted, trims.fitted())
+}
+
+/// Refuses new points of a garment in a variant, as those of the stage are stronger.
+fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
+    let is_fitted = garment.source.fitted.is_some();
+    let Some(Selection { set, choice, .. }) = garment.variant.filter(|_| is_fitted) else { return Ok(()) };
+    let model = &garment.source.model.path;
+    let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
+    let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
+    Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
+}
 
 /// Writes the new points of garments of one stage, and those of their trims, as a layer over it. Authored normals of garments are
 /// blocked, since they are of the old points. Of the options, `force`, `dry_run` and `record` count. Returns the trims. See

@@ -1,8 +1,9 @@
 //! Products into layers, and layers into files or bytes.
 
 use super::crates::{encode_plainly, remove_unwritable};
+use super::fit::author_fits;
 use super::flatten::flattened;
-use super::levels::{LevelPart, check_levels, level_variants};
+use super::levels::{LevelPart, check_levels, copy_levels, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::{Author, fault};
 use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count};
@@ -11,7 +12,7 @@ use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::assets::{Anchor, as_named, writable};
 use crate::codes;
-use crate::read::{LodSchema, Model, OrUnreadable, ProductNames, Selection, Source, flattened_variants};
+use crate::read::{LodSchema, Model, OrUnreadable, ProductNames, Source, flattened_variants};
 use crate::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use std::collections::HashSet;
@@ -163,7 +164,44 @@ fn compose(
     frame: LayerContext,
     options: &WriteOptions,
 ) -> Result<((sdf::Data, Vec<BoundTrim>), Warnings), Error> {
-    let (sets, mut replaced, mut trims) = (options.sets, Vec::new(), Vec::new());
+    let (mut data, mut warnings) = base(garments, frame, options)?;
+    let mut trims = Vec::new();
+    let mut before = 0;
+    for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
+        let variant = of_variant[0].variant;
+        let authored = match variant {
+            None => author(&mut data, of_variant, frame, options)?,
+            Some(variant) => {
+                let mut part = overlay(&of_variant[0].source.model, frame)?;
+                let authored = author(&mut part, of_variant, frame, options)?;
+                copy_into_variant(&mut data, &part, &[variant]).map_err(fault)?;
+                authored
+            }
+        };
+        let Authored { trims: bound, levels } = warnings.absorb(authored);
+        trims.extend(bound.into_iter().map(|trim| BoundTrim { garment: before + trim.garment, ..trim }));
+        copy_levels(&mut data, variant, &levels)?;
+        before += of_variant.len();
+    }
+    author_guides(&mut data, garments, frame, options)?;
+    if let Some(record) = &options.record {
+        let of =
+            |garment: &GarmentProducts| level_variants(&garment.source.model, garment.products, options.lod_schema);
+        record.with_variants(garments.iter().flat_map(of)).author(&mut data)?;
+    }
+    Ok(((data, trims), warnings))
+}
+
+/// The layer before its products: over the stage, or the whole stage without earlier products.
+///
+/// # Errors
+/// Names that are taken, levels or variants that cannot be written.
+fn base(
+    garments: &[GarmentProducts],
+    frame: LayerContext,
+    options: &WriteOptions,
+) -> Result<(sdf::Data, Warnings), Error> {
+    let mut replaced = Vec::new();
     for garment in garments {
         let GarmentProducts { source, products, .. } = garment;
         check_names(&source.model, products)?;
@@ -171,53 +209,35 @@ fn compose(
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         replaced.extend(paths.map_err(|e| fault(e.into()))?);
     }
-    if frame.flatten && garments.iter().any(|garment| garment.variant.is_some()) {
+    let stage = garments[0].source;
+    if !frame.flatten {
+        return Ok((overlay(&stage.model, frame)?, Warnings::default()));
+    }
+    if garments.iter().any(|garment| garment.variant.is_some()) {
         return Err(Error::usd("a flattened stage or package has no variants")
             .code(codes::OUTPUT_PATH)
             .remedy("write .usd, .usda or .usdc, over the input"));
     }
-    let stage = &garments[0].source.model;
-    let (mut data, mut warnings) = match frame.flatten {
-        true => {
-            let (data, mut warnings) = flattened(stage, &replaced, frame.anchor)?;
-            let facts = garments[0].source.facts();
-            warnings.extend(flattened_variants(&facts.prim, &facts.variants));
-            (data, warnings)
-        }
-        false => (overlay(stage, frame)?, Warnings::default()),
-    };
-    let mut before = 0;
-    for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
-        let mut part = match of_variant[0].variant {
-            None => std::mem::take(&mut data),
-            Some(_) => overlay(stage, frame)?,
-        };
-        let Authored { trims: bound, levels } = warnings.absorb(author(&mut part, of_variant, frame, options)?);
-        trims.extend(bound.into_iter().map(|trim| BoundTrim { garment: before + trim.garment, ..trim }));
-        let variant = of_variant[0].variant;
-        match variant {
-            None => data = part,
-            Some(variant) => copy_into_variant(&mut data, &part, &[variant]).map_err(fault)?,
-        }
-        for (level, part) in &levels {
-            let selections: Vec<&Selection> = variant.into_iter().chain([level]).collect();
-            copy_into_variant(&mut data, part, &selections).map_err(fault)?;
-        }
-        before += of_variant.len();
-    }
+    let (data, mut warnings) = flattened(&stage.model, &replaced, frame.anchor)?;
+    let facts = stage.facts();
+    warnings.extend(flattened_variants(&facts.prim, &facts.variants));
+    Ok((data, warnings))
+}
+
+/// Makes models guides, outside of variants, where that is stronger than what the input says.
+fn author_guides(
+    data: &mut sdf::Data,
+    garments: &[GarmentProducts],
+    frame: LayerContext,
+    options: &WriteOptions,
+) -> Result<(), Error> {
     // A guide that a PointInstancer repeats would take all instances along.
     for garment in garments.iter().filter(|g| options.model_guide && g.source.model.instancer.is_none()) {
-        // Outside of variants, where it is stronger than what the input says.
         let model = &garment.source.model;
-        let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
+        let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets: options.sets };
         author.model_purpose(ProductRole::Sim.purpose(None)).map_err(fault)?;
     }
-    if let Some(record) = &options.record {
-        let of =
-            |garment: &GarmentProducts| level_variants(&garment.source.model, garment.products, options.lod_schema);
-        record.with_variants(garments.iter().flat_map(of)).author(&mut data)?;
-    }
-    Ok(((data, trims), warnings))
+    Ok(())
 }
 
 /// The trims that are bound to some garments, and the variants of their levels of detail.
@@ -236,12 +256,7 @@ fn author(
 ) -> Result<(Authored, Warnings), Error> {
     let (sets, mut levels) = (options.sets, Vec::new());
     let (trims, mut warnings) = TrimBindings::read(garments)?;
-    let fitted: Vec<&Source> = garments.iter().map(|of| of.source).filter(|source| source.fitted.is_some()).collect();
-    if let Some(Source { model, .. }) = fitted.first() {
-        garments.iter().try_for_each(refuse_variant)?;
-        let mut author = Author { data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
-        warnings.extend(author.fitted(&model.origin.open()?, &fitted, trims.fitted())?);
-    }
+    warnings.extend(author_fits(data, garments, &trims, frame)?);
     for garment in garments {
         let GarmentProducts { source, products, .. } = garment;
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
@@ -266,16 +281,6 @@ fn author(
     let paths = paths.into_iter().flatten().flatten().collect();
     [&*data].into_iter().chain(levels.iter().map(|(_, part)| part)).try_for_each(|data| check_finite(data, &paths))?;
     Ok((Authored { trims: bound, levels }, warnings))
-}
-
-/// Refuses new points of a garment in a variant, as those of the stage are stronger.
-fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
-    let is_fitted = garment.source.fitted.is_some();
-    let Some(Selection { set, choice, .. }) = garment.variant.filter(|_| is_fitted) else { return Ok(()) };
-    let model = &garment.source.model.path;
-    let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
-    let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
-    Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.

@@ -16,6 +16,7 @@
 use super::physics::beside;
 use super::product::{Author, extent, fault};
 use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
+use super::variant::copy_into_variant;
 use crate::names;
 use crate::read::{LodSchema, Model, OrUnreadable, Selection, Sibling, level_name, select};
 use glam::Vec3;
@@ -41,6 +42,18 @@ pub fn level_variants(model: &Model, products: &[Product], schema: LodSchema) ->
         choice: level_name(level),
     };
     if count > 1 && schema == LodSchema::Variants { (0..count).map(selection).collect() } else { Vec::new() }
+}
+
+/// Copies the content of variants of levels into a layer, within a variant of the garment if it is in one.
+///
+/// # Errors
+/// Names that a variant cannot have.
+pub fn copy_levels(data: &mut sdf::Data, variant: Option<&Selection>, levels: &[LevelPart]) -> Result<(), Error> {
+    for (level, part) in levels {
+        let selections: Vec<&Selection> = variant.into_iter().chain([level]).collect();
+        copy_into_variant(data, part, &selections).map_err(fault)?;
+    }
+    Ok(())
 }
 
 /// Refuses levels where there is no prim for their variants, or the input has variants of this name.
