@@ -23,12 +23,22 @@ fn manifest(folder: &str) -> String {
     package.to_owned()
 }
 
-/// The crates of this project that a manifest's `[dependencies]` name.
+/// The crates that a manifest's tables of dependencies name.
+fn dependencies(manifest: &str) -> BTreeSet<String> {
+    let (mut found, mut is_table) = (BTreeSet::new(), false);
+    for line in manifest.lines() {
+        if line.starts_with('[') {
+            is_table = line.ends_with("dependencies]") && !line.contains("dev-");
+        } else if let Some((name, _)) = line.split_once(['.', ' ']).filter(|_| is_table && !line.starts_with('#')) {
+            found.insert(name.to_owned());
+        }
+    }
+    found
+}
+
+/// Those of this project.
 fn uses(manifest: &str) -> BTreeSet<String> {
-    let dependencies = manifest.split_once("\n[dependencies]\n").expect("dependencies").1;
-    let own = dependencies.lines().take_while(|line| !line.starts_with('['));
-    let names = own.filter_map(|line| line.split_once(['.', ' ']));
-    names.map(|(name, _)| name.to_owned()).filter(|name| name == "tailor" || name.starts_with("tailor-")).collect()
+    dependencies(manifest).into_iter().filter(|name| name == "tailor" || name.starts_with("tailor-")).collect()
 }
 
 fn name(manifest: &str) -> String {
@@ -46,6 +56,22 @@ fn crates_use_what_the_page_draws() {
     let found: BTreeMap<String, BTreeSet<String>> =
         CRATES.iter().map(|folder| manifest(folder)).map(|text| (name(&text), uses(&text))).collect();
     assert_eq!(found, drawn, "docs/architecture.md draws other arrows than the manifests have");
+}
+
+#[test]
+fn one_crate_knows_usd_and_the_paper_reads_no_files() {
+    for folder in CRATES.into_iter().filter(|folder| *folder != "usd") {
+        assert!(!dependencies(&manifest(folder)).contains("openusd"), "src/{folder} uses openusd");
+    }
+    let mut files = Vec::new();
+    sources(&root().join("src/tailor"), &mut files);
+    for file in files {
+        let text = read(&file);
+        let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+        for door in ["std::fs", "std::net", "tailor_mesh::files"] {
+            assert!(!code.contains(door), "{} uses {door}", file.display());
+        }
+    }
 }
 
 /// Source files of a crate without tests.

@@ -109,7 +109,7 @@ def assign(garment, kind: str, name: str) -> None:
     # Outside of Edit Mode a selection is not seen, and all of a new mesh is selected.
     if garment.mode == "EDIT":
         edited = bmesh.from_edit_mesh(garment.data)
-        rows = edited.edges if kind == "seam" else edited.faces
+        rows = getattr(edited, WORDS[kind])
     if not any(element.select for element in rows):
         raise Refused(f"No {WORDS[kind]} are selected. Select some in Edit Mode, and press this there")
     layer = rows.layers.bool.get(set_name(name)) or rows.layers.bool.new(set_name(name))

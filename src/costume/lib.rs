@@ -1,4 +1,16 @@
 //! What a garment needs beyond its two meshes.
+//!
+//! | module | has |
+//! |---|---|
+//! | [`cloth`] | fabrics, pins, attachments, the shape at rest |
+//! | [`mod@drive`] | points that follow a simulated mesh |
+//! | [`binding`] | the places of the render mesh's points on the simulation mesh |
+//! | [`trim`] | pieces of buttons and zips, rigid or soft |
+//! | [`fit`] | a garment on another body |
+//! | [`recipe`] | all options: their table, files and layers |
+//! | [`pipeline`] | the whole build, with levels of detail |
+//!
+//! [`Builder`] is what programs run.
 
 pub mod binding;
 pub mod cloth;

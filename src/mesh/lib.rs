@@ -7,10 +7,8 @@
 //! | [`subdivide`] | Catmull-Clark, Loop and bilinear refinement: stencils, limit points, attributes of every kind |
 //! | [`options`] | the declaration of options, their checks, and their table |
 //! | [`error`], [`codes`] | faults and warnings: problem, place, remedy |
-//! | [`step`] | results that are kept beside their inputs |
 //! | [`files`], [`meter`] | reading and writing files; memory that is counted |
-//!
-//! Each imports only those before it, but for errors, which name elements.
+//! | [`step`] | results that are kept beside their inputs |
 
 pub mod codes;
 pub mod connectivity;

@@ -35,35 +35,42 @@
 //! # }
 //! ```
 //!
+//! `examples/two_meshes.rs` makes both meshes of a sheet with a seam.
+//!
 //! # The paper, and where it is
+//!
+//! Paths are below `src/tailor`.
 //!
 //! | step of the paper | file | where we differ |
 //! |---|---|---|
 //! | Refine the input to a baseline, with attributes by stencils | `sim/surface/refine.rs`, `sim/baseline/mod.rs` | |
-//! | Constraints: borders, UV seams and chosen edges, as chains between anchors | `sim/constraints/cage_edges.rs`, `chain.rs` | Folds that the lengths cannot follow are chains too (`feature_lines.rs`) |
-//! | Place the vertices of chains by the target lengths | `sim/constraints/spacing.rs` | |
+//! | Constraints: borders, UV seams and chosen edges, as chains between anchors | `sim/constraints/cage_edges.rs`, `sim/constraints/chain.rs` | Folds that the lengths cannot follow are chains too (`sim/constraints/feature_lines.rs`) |
 //! | Target lengths from painted weights | `sim/surface/lengths.rs` | |
-//! | The loop: split, collapse, flip, relax, project, until lengths hold | `sim/passes/remesh.rs` | Queues are sorted sweeps; the first round works in patches, one on each processor |
-//! | Split long edges | `sim/passes/split.rs` | The longest first, at 5/4 of the target |
-//! | Collapse short edges | `sim/passes/collapse.rs` | The shortest first, at 4/5 of the target |
-//! | Flip towards valence 6 | `sim/passes/flip.rs` | Valence and Delaunay, weighted; pairs of irregular vertices drift together (`drift.rs`) |
-//! | Relax in the UVs | `sim/passes/relax_uv.rs` | An option; the default relaxes on the surface (`relax.rs`), which does not take over the distortion of UVs |
-//! | Lift the result to the baseline | `sim/baseline/project.rs` | Thin triangles and turned ones are mended at the end (`passes/finish/`) |
-//! | Carry values by their places on the baseline | `transfer/vertices.rs`, `corners/mod.rs` | Joint influences are merged, not averaged |
-//! | Carry face sets by stochastic samples | `transfer/coverage/mod.rs`, `faces/sets.rs` | Samples are low-discrepancy sequences with a seed |
+//! | Start | `sim/baseline/start.rs` | From the refinement whose edges are nearest to their targets |
+//! | The loop: split, collapse, flip, relax, project | `sim/passes/remesh.rs` | Queues are sorted sweeps; the first round works in patches, in parallel; it ends at `sim.iterations` rounds, or when nothing changes |
+//! | Split long edges, the longest first | `sim/passes/split.rs` | At 5/4 of the target, 1.4 in the first round |
+//! | Collapse short edges, the shortest first | `sim/passes/collapse.rs` | At 4/5 of the target, 0.7 in the first round |
+//! | Flip | `sim/passes/flip.rs` | Valence and Delaunay, weighted; pairs of irregular vertices drift together (`sim/passes/drift.rs`) |
+//! | Relax in the UVs | `sim/passes/relax_uv.rs` | An option: the default relaxes on the surface (`sim/passes/relax.rs`), which does not take over the distortion of UVs |
+//! | Vertices of chains slide along their curves | `sim/passes/even.rs` | |
+//! | Lift the result to the baseline | `sim/baseline/project.rs` | |
+//! | After the rounds | `sim/passes/finish/mod.rs` | Thin triangles are made better, turned ones are turned back, chords follow their curves |
+//! | Carry values by their places on the baseline | `transfer/vertices.rs`, `transfer/corners/mod.rs` | Joint influences are merged, not averaged |
+//! | Carry face sets by stochastic samples | `transfer/coverage/mod.rs`, `transfer/faces/sets.rs` | Samples are sequences with a seed: the same mesh each time |
 //! | Carry edge sets | `transfer/edges/mod.rs` | Sets on chains exactly, others as shortest paths along their curves |
 //! | Render mesh: fold-over thickness, refinement, seams | `render/stack.rs` | Seams run at the finest level that has room for them |
-//! | Thickness | `render/fold.rs` | Painted; heights keep clear of other cloth (`points.rs`) |
-//! | Seams | `render/seam.rs`, `lines/mod.rs` | Rows of stitches beside a seam (`parallels/mod.rs`) |
-//! | | `render/placement.rs`, `repair/mod.rs` | New points are fitted so that the limit surface stays, and lowered where faces would cross |
+//! | Thickness | `render/fold.rs` | Painted; heights keep clear of other cloth (`render/points.rs`) |
+//! | Seams | `render/seam.rs`, `render/lines/mod.rs` | Rows of stitches beside a seam (`render/parallels/mod.rs`) |
+//! | Not in the paper: place and repair | `render/placement.rs`, `render/repair/mod.rs` | New points are fitted so that the limit surface stays, and lowered where faces would cross |
 //!
-//! `docs/method.md` of the repository says why, with figures.
+//! [The method](https://doi.org/10.1145/3532836.3536252) stands on Botsch and Kobbelt, *A Remeshing Approach to Multiresolution
+//! Modeling* (SGP 2004). Files name the sources of what is in them, and `docs/method.md` of the repository says why, with figures.
 //!
 //! # Modules
 //!
-//! In data-flow order; each imports only those before it: [`contact`] (distances and intersections), [`sets`] (expressions of sets),
-//! [`sim`], [`render`], [`transfer`], [`report`] (figures), [`recipe`] (the options of both meshes), [`pipeline`] (the steps and their
-//! last results). What is below, from `tailor-mesh`, has the garment with its attributes, and subdivision.
+//! In data-flow order: [`contact`] (distances and intersections), [`sets`] (expressions of sets), [`sim`], [`render`] with [`operator`],
+//! [`transfer`], [`report`] (figures), [`recipe`] (the options of both meshes), [`pipeline`] (the steps and their last results). [`codes`] has
+//! the codes of their errors and warnings. `tailor-mesh`, below, has the garment with its attributes, and subdivision.
 
 pub mod codes;
 pub mod contact;

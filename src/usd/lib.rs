@@ -3,7 +3,8 @@
 //! [`Source`] opens a stage and copies all that is needed from it: the mesh for the geometry code, the properties that
 //! products have too, and the facts that `info` prints. [`write()`] turns products into a layer over the stage.
 //!
-//! `write` imports from `read`, and both from `names`, `values`, `assets` and `record`.
+//! `session` opens garments with their recipes, [`drive()`] makes shots (`shot`), and [`body_of`] reads a body. `session` and `shot` import
+//! from `write`, `write` from `read`, and all from `names`, `values`, `assets` and `record`.
 
 mod assets;
 mod body;

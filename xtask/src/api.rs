@@ -75,6 +75,9 @@ fn listing(project: &Project) -> Outcome<String> {
 
 /// The page of an item that a list links to, such as `../tailor_mesh/garment/struct.Mesh.html`; none for other links.
 fn page(list: &str, link: &str) -> Option<String> {
+    if link.contains("://") {
+        return None;
+    }
     let mut path: Vec<&str> = list.split('/').collect();
     for part in link.split('/') {
         match part {
@@ -84,7 +87,7 @@ fn page(list: &str, link: &str) -> Option<String> {
     }
     let kind = path.last()?.strip_suffix(".html")?.split_once('.')?.0;
     let is_item = ["constant", "enum", "fn", "macro", "struct", "trait", "type"].contains(&kind);
-    (is_item && path[0].starts_with("tailor")).then(|| path.join("/"))
+    is_item.then(|| path.join("/"))
 }
 
 /// One item of a page: its path, its declaration and its own methods, one on each line.

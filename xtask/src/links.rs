@@ -8,7 +8,20 @@ use crate::process::{Failure, Outcome};
 use crate::project::Project;
 
 /// Documents outside `docs/`.
-const DOCUMENTS: [&str; 4] = ["README.md", "SECURITY.md", "CHANGELOG.md", "examples/README.md"];
+const DOCUMENTS: [&str; 12] = [
+    "README.md",
+    "SECURITY.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+    "examples/README.md",
+    "src/mesh/README.md",
+    "src/tailor/README.md",
+    "src/costume/README.md",
+    "src/usd/README.md",
+    "src/preview/README.md",
+    "src/command/README.md",
+    "src/testing/README.md",
+];
 
 /// Fails with all links that lead nowhere.
 pub fn check(project: &Project) -> Outcome {

@@ -5,7 +5,7 @@
 //! mesh does not show its triangles; off the surface it is one rotation, so that hems keep their thickness.
 //!
 //! ```
-//! use tailor::drive::{BindPose, Driver};
+//! use tailor_costume::drive::{BindPose, Driver};
 //! use tailor::glam::{Vec3, vec3};
 //!
 //! # fn main() -> Result<(), tailor::Error> {

@@ -74,10 +74,11 @@ pub struct Fitted {
 /// Fits a garment to the second of two bodies.
 ///
 /// ```
-/// use tailor::fit::{Bodies, FitOptions, fit};
+/// use tailor_costume::fit::{Bodies, FitOptions, fit};
 /// use tailor::glam::Vec3;
 /// # use std::sync::Arc;
-/// # use tailor::{Builder, Garment};
+/// # use tailor_costume::Builder;
+/// # use tailor_mesh::Garment;
 ///
 /// # fn main() -> Result<(), tailor::Error> {
 /// // A sheet over a flat body that becomes twice as large.

@@ -1,4 +1,4 @@
-//! Flip every free edge whose opposite angles sum to more than π.
+//! Flip free edges towards the Delaunay condition, by which the opposite angles sum to at most π, and towards valence 6.
 
 use super::drift::drift_with;
 use super::queue::edges;

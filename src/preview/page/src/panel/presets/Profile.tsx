@@ -23,9 +23,12 @@ export interface ProfileProps {
   reach?: number;
 }
 
-function sectionOf({ kind, fields, auto, reach }: ProfileProps): Section {
-  return kind === "seam" ? seamSection(fields, auto) : foldSection(fields, auto, reach);
-}
+const SECTIONS: Record<KindName, (props: ProfileProps) => Section> = {
+  seam: ({ fields, auto }) => seamSection(fields, auto),
+  fold: ({ fields, auto, reach }) => foldSection(fields, auto, reach),
+};
+
+const sectionOf = (props: ProfileProps): Section => SECTIONS[props.kind](props);
 
 /** The drawing of a card, with figures. Both axes have one scale, so that it is true. */
 export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: string; isOff: boolean }) {

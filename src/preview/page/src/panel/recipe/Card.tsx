@@ -1,7 +1,7 @@
 // A seam or a fold.
 
 import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent, TargetedMouseEvent } from "preact";
-import type { Fields } from "../../server/options";
+import type { Fields, KindName } from "../../server/options";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
 import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard } from "../../state/cards";
@@ -206,6 +206,9 @@ function Summary({ operator }: { operator: Stacked }) {
 function summary({ kind }: Stacked, fields: Fields, unit: string): string {
   const length = (field: string) => shown(Number(fields[field] ?? 0)).replace("-", "−");
   const automatic = (field: string) => (length(field) === "0" ? "auto" : length(field));
-  if (kind === "fold") return automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit}`;
-  return `${automatic("width")} × ${length("normalOffset")} ${unit}`;
+  const figures: Record<KindName, () => string> = {
+    seam: () => `${automatic("width")} × ${length("normalOffset")} ${unit}`,
+    fold: () => (automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit}`),
+  };
+  return figures[kind]();
 }
