@@ -64,7 +64,7 @@ fn sections() -> impl Iterator<Item = Section> {
     })
 }
 
-#[cfg(all(test, feature = "preview"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::BTreeSet;

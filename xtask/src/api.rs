@@ -17,7 +17,7 @@ const FILE: &str = "docs/api.txt";
 const LISTS: [&str; 13] = [
     "tailor_mesh",
     "tailor_mesh/error",
-    "tailor_mesh/units",
+    "tailor_mesh/garment/units",
     "tailor",
     "tailor/operator",
     "tailor/report",

@@ -65,13 +65,13 @@ impl BindFrames {
     }
 
     /// Number of vertices.
-    pub fn len(&self) -> usize {
+    pub fn vertices(&self) -> usize {
         self.bind.len()
     }
 
     /// The rotation of each vertex from bind to `points`.
     pub fn rotations(&self, points: &[Vec3]) -> Vec<Quat> {
-        (0..self.len()).into_par_iter().map(|vertex| self.rotation(vertex, points)).collect()
+        (0..self.vertices()).into_par_iter().map(|vertex| self.rotation(vertex, points)).collect()
     }
 
     fn rotation(&self, vertex: usize, points: &[Vec3]) -> Quat {

@@ -103,7 +103,7 @@ impl Driver {
 
     /// Number of points of the simulation mesh.
     pub fn sim_points(&self) -> usize {
-        self.frames.len()
+        self.frames.vertices()
     }
 
     /// The bound points, with the simulation mesh at `sim`, which has as many points as at bind.

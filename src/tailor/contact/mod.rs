@@ -1,7 +1,7 @@
 //! Contact queries on the first refinement of a cage: intersecting and flipped faces, clearance to the next layer, and
 //! faces that may intersect on the next refinement. Nothing here knows of operators or moves a point.
 //!
-//! A face is tested with its children, four at a time in vector registers ([`simd`], [`face`]), and faces that are near
+//! A face is tested with its children, four at a time in vector registers (`simd`, `face`), and faces that are near
 //! each other are near in memory ([`morton_order`]).
 
 mod axis;

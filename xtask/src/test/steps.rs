@@ -143,7 +143,7 @@ pub const STEPS: [Step; 20] = [
     },
     Step {
         name: "clippy",
-        about: "clippy on all targets, and the bare library, warnings denied",
+        about: "clippy on all targets, warnings denied",
         after: &["page"],
         run: cargo::clippy,
         ..MAIN
