@@ -12,7 +12,7 @@ mod rest;
 mod surface;
 
 pub use fabric::{FABRICS, Fabric};
-pub use options::{ClothOptions, FabricOptions, RestShape};
+pub use options::{ClothOptions, DIALECTS, FabricOptions, RestShape};
 pub use pieces::Attachment;
 pub use pieces::{COVERED, LOOSE_AREA};
 use rest::CageStretch;

@@ -114,3 +114,14 @@ pub static DIALECTS: [Dialect; 2] = [
         unsigned: true,
     },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_dialect_of_the_recipe_is_written() {
+        let written: Vec<&str> = DIALECTS.iter().map(|dialect| dialect.name).chain(["chaos"]).collect();
+        assert_eq!(written, tailor_costume::cloth::DIALECTS);
+    }
+}
