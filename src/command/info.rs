@@ -23,8 +23,8 @@ use tailor_mesh::units::in_words;
 use tailor_mesh::{Mesh, PrimvarRole};
 use tailor_usd::session::OpenGarment;
 use tailor_usd::{
-    Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names, tailor_payloads,
-    type_word,
+    BuildRecord, Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names,
+    tailor_payloads, type_word,
 };
 
 /// Describes each input and the meshes that `build` would write for it.
@@ -199,7 +199,8 @@ fn free_names(garments: &[OpenGarment]) -> Result<(), Error> {
 
 /// Whether the stage has products of this program, which are what a build would make again.
 fn fresh(source: &Source) -> Result<bool, Error> {
-    for (layer, record) in source.records() {
+    let records = BuildRecord::in_use(source)?;
+    for (layer, record) in &records {
         let mut changes = record.changes(layer)?;
         if record.prim() == source.prim() {
             changes.extend(record.variant_changes(source));
@@ -209,7 +210,7 @@ fn fresh(source: &Source) -> Result<bool, Error> {
             return Err(fault.code(codes::STALE_OUTPUT).remedy("build it again, with --force"));
         }
     }
-    Ok(!source.records().is_empty())
+    Ok(!records.is_empty())
 }
 
 /// The findings about an input.

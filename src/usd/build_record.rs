@@ -4,7 +4,6 @@ use super::assets::{Anchor, as_named, file_path};
 use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
-use openusd::usd::Stage;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
@@ -112,13 +111,19 @@ impl BuildRecord {
         .ok()?
     }
 
-    /// The layers of a stage that have a record.
-    pub(super) fn in_layers(stage: &Stage) -> Vec<(PathBuf, Self)> {
-        let of_layer = |id: &String| {
-            let layer = stage.layer(id)?;
-            Some((PathBuf::from(file_path(layer.resolved_path()?)), Self::in_layer(&layer)?))
-        };
-        stage.layer_identifiers().iter().filter_map(of_layer).collect()
+    /// The layers in use by a garment's stage that this program built, and what they were made of. The stage is opened again.
+    ///
+    /// # Errors
+    /// A stage that can no longer be opened.
+    pub fn in_use(source: &Source) -> Result<Vec<(PathBuf, Self)>, Error> {
+        on_large_stack(|| {
+            let stage = source.model.origin.open()?;
+            let of_layer = |id: &String| {
+                let layer = stage.layer(id)?;
+                Some((PathBuf::from(file_path(layer.resolved_path()?)), Self::in_layer(&layer)?))
+            };
+            Ok(stage.layer_identifiers().iter().filter_map(of_layer).collect())
+        })
     }
 
     /// The path of `file` in the record of `out`.

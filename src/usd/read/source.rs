@@ -12,12 +12,12 @@ use super::recipe::{add_constraint, read_recipe};
 use super::trims::FittedTrim;
 use super::variants::{Selection, choices_of, frozen};
 use crate::codes;
-use crate::{BuildRecord, on_large_stack};
+use crate::on_large_stack;
 use glam::Vec3;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
 use tailor_mesh::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
@@ -79,7 +79,6 @@ pub struct Source {
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
     pub(super) warnings: Warnings,
-    pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
     /// The points on another body, which are written over those of the garment.
     pub(crate) fitted: Option<Arc<FittedPoints>>,
@@ -154,8 +153,7 @@ impl Source {
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
         warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
-        let records = BuildRecord::in_layers(stage);
-        let mut source = Self { model, garment, recipe, facts, warnings, records, seams: Vec::new(), fitted: None };
+        let mut source = Self { model, garment, recipe, facts, warnings, seams: Vec::new(), fitted: None };
         source.sew_itself(tolerance);
         Ok(source)
     }
@@ -208,11 +206,6 @@ impl Source {
     /// Facts about the model and its surroundings.
     pub fn facts(&self) -> &Facts {
         &self.facts
-    }
-
-    /// The layers in use that this program built, and what they were made of.
-    pub fn records(&self) -> &[(PathBuf, BuildRecord)] {
-        &self.records
     }
 
     /// The file that was opened, as named.

@@ -106,11 +106,11 @@ pub fn sewn(
         gap: seam.gap,
     });
     let within = panels.iter().flat_map(|panel| panel.seams.iter().cloned());
-    let (seams, records) = (within.chain(between).collect(), first.records.clone());
+    let seams = within.chain(between).collect();
     sewn.mesh.space = space_of(stage, &space)?;
     let bound = material_paths(&model, &facts);
     sewn.mesh.materials = materials(&bound);
-    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams, fitted: None })
+    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, seams, fitted: None })
 }
 
 /// The nearest prim above all panels.
