@@ -1,4 +1,4 @@
-//! What a garment needs beyond its two meshes.
+//! Cloth, bindings, trims, fits and levels of detail of a garment, with the whole recipe and the whole build.
 //!
 //! | module | has |
 //! |---|---|

@@ -124,7 +124,7 @@ impl Builder {
         self.meshes.set_operators(operators);
     }
 
-    /// What builds the two meshes.
+    /// The builder of the two meshes.
     pub fn meshes(&mut self) -> &mut MeshBuilder {
         &mut self.meshes
     }
@@ -257,7 +257,7 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
         let (resolved, warnings) = self.resolved(recipe)?;
-        self.meshes.update_resolved_sim(resolved.meshes, warnings)
+        self.meshes.update_resolved_sim(&resolved.meshes, warnings)
     }
 
     /// The render mesh alone.
@@ -266,7 +266,7 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn update_render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let resolved = self.resolved(recipe)?.0;
-        self.meshes.update_resolved_render(resolved.meshes)
+        self.meshes.update_resolved_render(&resolved.meshes)
     }
 
     /// The cloth of a simulation mesh that a builder of the same mesh made of the same recipe; none without physics.
@@ -275,7 +275,7 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn update_cloth(&mut self, recipe: &Recipe, sim: &SimUpdate) -> Result<Option<ClothUpdate>, Error> {
         let Resolved { recipe, meshes } = self.resolved(recipe)?.0;
-        self.meshes.derive_sim(meshes.sets.sim);
+        self.meshes.derive_sim(&meshes.sets.sim);
         let progress = self.meshes.progress().clone();
         let mut clock = Clock::new(&progress);
         let cloth = self.cloth_steps().cloth(&recipe, &sim.simulated, &mut clock)?;

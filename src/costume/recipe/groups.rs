@@ -72,8 +72,8 @@ groups! {
 impl Recipe {
     /// The options of the two meshes.
     pub fn meshes(&self) -> MeshRecipe {
-        let Self { sim, render, fold, seam, .. } = self.clone();
-        MeshRecipe { sim, render, fold, seam }
+        let Self { sim, render, fold, seam, .. } = self;
+        MeshRecipe { sim: sim.clone(), render: render.clone(), fold: fold.clone(), seam: seam.clone() }
     }
 }
 

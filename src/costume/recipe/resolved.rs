@@ -1,7 +1,7 @@
 //! A recipe for one garment.
 
 use super::Recipe;
-use tailor::recipe::{RecipeSets, ResolvedMeshes, ResolvedSim, bind, resolve_uv_set};
+use tailor::recipe::{ResolvedMeshes, resolve_uv_set};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::options::within_size_in_meters;
@@ -11,7 +11,7 @@ use tailor_mesh::options::within_size_in_meters;
 pub struct Resolved {
     /// The recipe with the lengths that are used.
     pub recipe: Recipe,
-    /// What the two meshes are made from, with the sets of the cloth among those of the simulation mesh.
+    /// The input of the two meshes. The sets of the cloth are among those of the simulation mesh.
     pub meshes: ResolvedMeshes,
 }
 
@@ -25,14 +25,11 @@ impl Resolved {
         let mut recipe = recipe.clone();
         recipe.resolve_lengths(mean_edge);
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
-        let sets = warnings.absorb(RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, garment)?);
-        bind(&recipe.used(), garment)?;
+        let meshes = warnings.absorb(ResolvedMeshes::of_groups(recipe.meshes(), &recipe.used(), garment)?);
         recipe.cloth.check_names(garment)?;
         for (name, fabric) in &recipe.fabric {
             within_size_in_meters(&format!("fabric.{name}.thickness"), fabric.thickness, garment)?;
         }
-        let sim = ResolvedSim::new(&recipe.sim, garment)?;
-        let meshes = ResolvedMeshes { recipe: recipe.meshes(), sim, sets };
         Ok((Self { recipe, meshes }, warnings))
     }
 }

@@ -8,6 +8,7 @@
 
 mod check;
 mod frame;
+mod local;
 mod marks;
 mod memory;
 mod plan;
@@ -25,14 +26,14 @@ pub use sim::{RemeshResult, SimResult, baseline};
 
 use crate::codes;
 use crate::recipe::{MeshRecipe, RecipeSets, ResolvedMeshes, ResolvedSim};
+use crate::render::RenderSteps;
 use crate::render::operator::Operator;
-use crate::render::{Origins, RenderResult, RenderSteps, Stack};
 use crate::sets::{DerivedSet, ListedSet, SetEvaluator};
 use sim::SimSteps;
 use std::sync::Arc;
 use tailor_mesh::connectivity::Elements;
 use tailor_mesh::error::{Error, Warning, Warnings};
-use tailor_mesh::garment::{FaceNumbers, Garment, Mesh, Scheme, Subset, check_garment, split_repeats};
+use tailor_mesh::garment::{FaceNumbers, Garment, Mesh, Scheme, check_garment, split_repeats};
 
 /// Largest simulation mesh by default. \[triangles\]
 pub const DEFAULT_MAX_FACES: usize = 5_000_000;
@@ -274,7 +275,7 @@ impl MeshBuilder {
     /// Checks that the refined meshes of a resolved recipe fit in memory.
     ///
     /// # Errors
-    /// Those that do not.
+    /// A level of more faces than fit.
     pub fn check_levels(&self, recipe: &MeshRecipe) -> Result<(), Error> {
         check::levels(&self.garment, recipe)
     }
@@ -323,16 +324,16 @@ impl MeshBuilder {
     /// As [`MeshBuilder::update`].
     pub fn update_sim(&mut self, recipe: &MeshRecipe) -> Result<SimUpdate, Error> {
         let (resolved, warnings) = self.resolve(recipe)?;
-        self.update_resolved_sim(resolved, warnings)
+        self.update_resolved_sim(&resolved, warnings)
     }
 
     /// The simulation mesh of a resolved recipe, with `warnings` of it.
     ///
     /// # Errors
     /// As [`MeshBuilder::update`].
-    pub fn update_resolved_sim(&mut self, resolved: ResolvedMeshes, warnings: Warnings) -> Result<SimUpdate, Error> {
+    pub fn update_resolved_sim(&mut self, resolved: &ResolvedMeshes, warnings: Warnings) -> Result<SimUpdate, Error> {
         sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
-        self.derive_sim(resolved.sets.sim);
+        self.derive_sim(&resolved.sets.sim);
         let mut update = self.simulate(&resolved.sim)?;
         update.warnings.extend(warnings);
         let warnings = self.face_numbers.warnings_in_file(update.warnings);
@@ -345,15 +346,15 @@ impl MeshBuilder {
     /// As [`MeshBuilder::update`].
     pub fn update_render(&mut self, recipe: &MeshRecipe) -> Result<RenderUpdate, Error> {
         let resolved = self.resolve(recipe)?.0;
-        self.update_resolved_render(resolved)
+        self.update_resolved_render(&resolved)
     }
 
     /// The render mesh of a resolved recipe.
     ///
     /// # Errors
     /// As [`MeshBuilder::update`].
-    pub fn update_resolved_render(&mut self, resolved: ResolvedMeshes) -> Result<RenderUpdate, Error> {
-        self.derive_render(resolved.sets.render);
+    pub fn update_resolved_render(&mut self, resolved: &ResolvedMeshes) -> Result<RenderUpdate, Error> {
+        self.derive_render(&resolved.sets.render);
         let update = self.render(&resolved.recipe)?;
         let warnings = self.face_numbers.warnings_in_file(update.warnings);
         Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, warnings, ..update })
@@ -362,114 +363,5 @@ impl MeshBuilder {
     /// An estimate of the memory that the kept results hold. \[bytes\]
     pub fn bytes(&self) -> usize {
         self.garment.bytes() + self.sim.bytes() + self.render.bytes() + self.frame.bytes()
-    }
-}
-
-/// Steps for who makes more of both meshes. All of it is in the frame of the garment.
-impl MeshBuilder {
-    /// The frame, in which steps work.
-    pub fn frame(&mut self) -> &mut LocalFrame {
-        &mut self.frame
-    }
-
-    /// The garment with the derived sets of the simulation mesh.
-    pub fn sim_garment(&self) -> &Arc<Mesh> {
-        self.sim.garment()
-    }
-
-    /// Both meshes of a resolved recipe.
-    ///
-    /// # Errors
-    /// As [`MeshBuilder::update`].
-    pub fn update_local(&mut self, resolved: &ResolvedMeshes) -> Result<(SimUpdate, RenderUpdate), Error> {
-        self.derive(&resolved.sets);
-        Ok((self.simulate(&resolved.sim)?, self.render(&resolved.recipe)?))
-    }
-
-    /// Gives the steps of both products the garment with its derived sets.
-    pub fn derive(&mut self, sets: &RecipeSets) {
-        self.derive_sim(sets.sim.clone());
-        self.derive_render(sets.render.clone());
-    }
-
-    /// The steps of the simulation mesh begin anew where its derived sets are new.
-    pub fn derive_sim(&mut self, sets: Vec<Subset>) {
-        if sets != self.sets.sim {
-            self.sim = SimSteps::new(self.with_sets(&sets));
-            self.sets.sim = sets;
-        }
-    }
-
-    /// The steps of the render mesh begin anew where its derived sets are new.
-    fn derive_render(&mut self, sets: Vec<Subset>) {
-        if sets != self.sets.render {
-            self.render = RenderSteps::new(self.with_sets(&sets));
-            self.sets.render = sets;
-        }
-    }
-
-    /// The garment with more sets.
-    fn with_sets(&self, sets: &[Subset]) -> Arc<Mesh> {
-        let local = self.frame.enter(&self.garment);
-        if sets.is_empty() {
-            return local;
-        }
-        let subsets = local.subsets.iter().chain(sets).cloned().collect();
-        Arc::new(Mesh { subsets: Arc::new(subsets), ..Mesh::clone(&local) })
-    }
-
-    /// The simulation mesh of resolved options.
-    fn simulate(&mut self, sim: &ResolvedSim) -> Result<SimUpdate, Error> {
-        let mut clock = Clock::new(&self.progress);
-        let simulated = self.sim.update(sim, self.max_faces, &mut clock)?;
-        clock.finish()?;
-        let mut warnings = simulated.remeshed.warnings.clone();
-        warnings.extend(simulated.warnings.iter().cloned());
-        Ok(SimUpdate { mesh: Arc::clone(&simulated.mesh), warnings, timings: clock.timings, simulated })
-    }
-
-    /// The render mesh of a resolved recipe.
-    ///
-    /// # Errors
-    /// As [`MeshBuilder::update`].
-    pub fn render(&mut self, recipe: &MeshRecipe) -> Result<RenderUpdate, Error> {
-        let mut clock = Clock::new(&self.progress);
-        let stack = self.stack(recipe)?;
-        let made = clock.run("render", || self.render.update(&stack))?;
-        clock.finish()?;
-        let RenderResult { mesh, sources, sets, warnings, seam_level } = made;
-        Ok(RenderUpdate {
-            mesh,
-            sources,
-            operators: stack.names,
-            operator_sets: sets,
-            seam_level,
-            warnings,
-            timings: clock.timings,
-        })
-    }
-
-    /// The origins of the points of the last render mesh, which was made of the same resolved recipe.
-    ///
-    /// # Errors
-    /// As [`MeshBuilder::update_render`].
-    pub fn origins(&mut self, recipe: &MeshRecipe) -> Result<Origins, Error> {
-        let stack = self.stack(recipe)?;
-        self.render.origins(&stack)
-    }
-
-    /// The origins of the garment's own points.
-    ///
-    /// # Errors
-    /// As [`MeshBuilder::update_render`].
-    pub fn cage_origins(&mut self) -> Result<Origins, Error> {
-        self.render.cage_origins()
-    }
-
-    fn stack(&self, recipe: &MeshRecipe) -> Result<Stack, Error> {
-        let mut stack = Stack::new(&recipe.render, &recipe.operators())?;
-        stack.names.extend(self.own_operators.iter().map(|operator| operator.label()));
-        stack.operators.extend(self.own_operators.iter().cloned());
-        Ok(stack)
     }
 }

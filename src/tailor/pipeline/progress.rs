@@ -68,7 +68,7 @@ impl<'a> Clock<'a> {
     /// Runs a step.
     ///
     /// # Errors
-    /// Those of the step, and cancellation before it.
+    /// Errors of the step; cancellation before the step.
     pub fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
         self.progress.check()?;
         self.progress.report.iter().for_each(|report| report(name));

@@ -2,7 +2,7 @@
 
 use super::bind::{bind, bind_uv_set};
 use super::uv_set::resolve_uv_set;
-use super::{MeshRecipe, RecipeSets};
+use super::{MeshRecipe, RecipeSets, UsedGroup};
 use crate::sim::{Lengths, SimOptions};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::{Mesh, Primvar};
@@ -13,7 +13,7 @@ use tailor_mesh::options::float_primvar;
 pub struct ResolvedMeshes {
     /// The options with the lengths that are used.
     pub recipe: MeshRecipe,
-    /// Those of the simulation mesh, with what they name.
+    /// The options of the simulation mesh, with the primvars that they name.
     pub sim: ResolvedSim,
     /// The sets that the recipe derives.
     pub sets: RecipeSets,
@@ -40,8 +40,17 @@ impl ResolvedMeshes {
         let mut recipe = recipe.clone();
         recipe.resolve_lengths(mean_edge);
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
-        let sets = warnings.absorb(RecipeSets::new(&recipe.used(), &recipe.sim.uv_set, garment)?);
-        bind(&recipe.used(), garment)?;
+        let resolved = warnings.absorb(Self::of_groups(recipe.clone(), &recipe.used(), garment)?);
+        Ok((resolved, warnings))
+    }
+
+    /// A recipe with its lengths and its UV set, as part of the recipe that uses `groups`, and the warnings of empty sets.
+    ///
+    /// # Errors
+    /// As [`ResolvedMeshes::new`].
+    pub fn of_groups(recipe: MeshRecipe, groups: &[UsedGroup<'_>], garment: &Mesh) -> Result<(Self, Warnings), Error> {
+        let (sets, warnings) = RecipeSets::new(groups, &recipe.sim.uv_set, garment)?;
+        bind(groups, garment)?;
         let sim = ResolvedSim::new(&recipe.sim, garment)?;
         Ok((Self { recipe, sim, sets }, warnings))
     }
