@@ -31,7 +31,7 @@ function layers(test) {
 const MODEL = { roles: ["model"], wires: false, smooth: 0 };
 
 async function layered(t, settings = {}) {
-  const preview = await show(t, layers(t), { ready: false });
+  const preview = await show(t, layers(t), { ready: false, rests: true });
   await preview.isDrawn(["model"]);
   await preview.settings({ ...MODEL, shadows: true, ...settings });
   await preview.page.keyboard.press("4");

@@ -43,13 +43,22 @@ function chooseColumns() {
   if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side", shadows: false }));
 }
 
+/** Runs in a page: a graphics card that is never done with the first sample of a picture at rest. Without a card, the others
+ *  take seconds after each change; pictures that are asked for have them all the same. */
+function rarelyRest() {
+  WebGL2RenderingContext.prototype.getSyncParameter = function () {
+    return this.UNSIGNALED;
+  };
+}
+
 /** Opens the page of a server in a context of its own, and waits until all meshes are drawn. `isNew` leaves the settings to
- *  the page, and `init` is a script that runs before it. */
-export async function open(owner, server, { ready = true, isNew = false, init = null, ...options } = {}) {
+ *  the page, `rests` has it draw whole pictures at rest, and `init` is a script that runs before it. */
+export async function open(owner, server, { ready = true, isNew = false, rests = false, init = null, ...options } = {}) {
   const context = await (await launched()).newContext({ viewport: SMALL, ...options });
   owner.after(() => context.close());
   await context.addInitScript(observe);
   if (!isNew) await context.addInitScript(chooseColumns);
+  if (!rests) await context.addInitScript(rarelyRest);
   if (init) await context.addInitScript(init);
   const page = await context.newPage();
   page.setDefaultTimeout(20_000);
