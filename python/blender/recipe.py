@@ -7,6 +7,7 @@ The properties themselves are what the panels show. A file that is opened withou
 from dataclasses import dataclass
 from functools import lru_cache
 
+import bpy
 import numpy as np
 import usd_tailor
 from mathutils import Matrix
@@ -19,6 +20,8 @@ GARMENT = names.key("sim", "maxEdgeLength")
 """The property that every garment has."""
 SETS = {"seam": "edges", "fold": "faces"}
 """The option of each kind of operator that names its sets."""
+_GROOVE = 0.001
+"""Depth of a new seam. [m]"""
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,12 @@ def mean_edge_length(ob) -> float:
     """Of the mesh without its modifiers. [mesh units]"""
     points, ends = column(ob.data.vertices, "co", 3), column(ob.data.edges, "vertices", 2, np.int32)
     return float(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).mean()) if len(ends) else 0.0
+
+
+def _meters(ob) -> float:
+    """Metres in one mesh unit: the length of a scene's unit, and the scale of the object."""
+    scale = abs(ob.matrix_world.to_3x3().determinant()) ** (1 / 3)
+    return bpy.context.scene.unit_settings.scale_length * scale or 1.0
 
 
 def _rounded(length: float) -> float:
@@ -180,11 +189,11 @@ def add_operator(ob, kind: str, name: str, sets: str) -> str:
         if of.key == SETS[kind]:
             value = sets
         elif of.domain["type"] == "length":
-            value = _rounded(edge * of.domain["automatic"])
+            value = _rounded(min(edge * of.domain["automatic"], (of.domain["automaticMost"] or np.inf) / _meters(ob)))
         put(ob, of, value, name)
     if kind == "seam":
-        # A seam that is as deep as wide by a quarter is seen at once.
-        put(ob, option("seam", "normalOffset"), -_rounded(edge / 16), name)
+        # A seam without a depth is not seen.
+        put(ob, option("seam", "normalOffset"), -_rounded(min(_GROOVE / _meters(ob), edge / 16)), name)
     _list(ob, [*order, (kind, name)])
     return name
 

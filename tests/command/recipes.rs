@@ -35,6 +35,23 @@ fn flag_file_attribute_default() {
     is("own.usda --set sim.maxEdgeLength=0.5 --set sim.maxEdgeLength=0.25", 2, 0.25);
 }
 
+/// Edges have a length of 1 to 1.03 mesh units.
+#[test]
+fn a_seam_without_a_width_has_that_of_a_real_one() {
+    let folder = Folder::new();
+    let width = |meters: &str| {
+        folder.file("in.usda", CLOTH.replace("metersPerUnit = 0.01", &format!("metersPerUnit = {meters}")));
+        folder.good("build in.usda -o out.usda --set seam.s.edges=placket --report report.json --force -q");
+        let report: Value = serde_json::from_slice(&folder.read("report.json")).expect("JSON");
+        report["recipe"]["seam"]["s"]["width"].as_f64().expect("a width")
+    };
+    let is_near = |width: f64, wanted: f64| (width - wanted).abs() < 0.02 * wanted;
+    assert!(is_near(width("0.1"), 0.05), "5 mm in faces of 10 cm");
+    assert!(is_near(width("1"), 0.005), "5 mm in faces of 1 m");
+    assert!(is_near(width("0.01"), 0.25), "a quarter of an edge of 1 cm");
+    assert!(is_near(width("0.001"), 0.25), "a quarter of an edge of 1 mm");
+}
+
 #[test]
 fn a_recipe_may_name_the_source_and_the_prim() {
     let folder = Folder::new();

@@ -20,6 +20,10 @@ test("an edge that is clicked on the model becomes a seam", async (t) => {
   assert.deepEqual(await preview.cards(), ["seam.chest_line"]);
   await preview.card("seam.chest_line").locator(".card-body").waitFor();
   assert.ok(after.render.faces > before.render.faces, "a seam has faces");
+  // The shirt is in centimetres.
+  const depth = (await preview.document()).edits.seam.chest_line.normalOffset;
+  const width = await preview.state(({ products }) => products.render.lengths["seam.chest_line.width"]);
+  assert.deepEqual([depth, width], [-0.1, 0.5], "it is 1 mm deep and 5 mm wide");
   assert.deepEqual([after.sim, after.model], [before.sim, before.model]);
   assert.deepEqual(await preview.state(({ products }) => products.render.operators), ["seam.chest_line"]);
 

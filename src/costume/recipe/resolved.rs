@@ -4,7 +4,7 @@ use super::Recipe;
 use tailor::recipe::{ResolvedMeshes, resolve_uv_set};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
-use tailor_mesh::options::within_size_in_meters;
+use tailor_mesh::options::{Scale, within_size_in_meters};
 
 /// A recipe whose values are checked against one garment: lengths are in mesh units, and names are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ impl Resolved {
     pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
-        recipe.resolve_lengths(mean_edge);
+        recipe.resolve_lengths(Scale { mean_edge, meters: garment.units.meters() });
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
         let meshes = warnings.absorb(ResolvedMeshes::of_groups(recipe.meshes(), &recipe.used(), garment)?);
         recipe.cloth.check_names(garment)?;

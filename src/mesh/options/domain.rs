@@ -40,6 +40,8 @@ pub enum Domain {
         usual: [f32; 2],
         /// The length that 0 stands for; 0 if it is not a length. \[mean edge lengths of the garment\]
         automatic: f32,
+        /// The most that it is, however large the faces are. \[m\]
+        automatic_most: Option<f32>,
         /// The largest length. \[sizes of the garment\]
         largest: f32,
     },
@@ -79,6 +81,15 @@ pub enum Domain {
     Operators,
 }
 
+/// The sizes of a garment that automatic lengths follow.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// The mean length of its edges. \[mesh units\]
+    pub mean_edge: f32,
+    /// Metres in a mesh unit.
+    pub meters: f64,
+}
+
 impl Domain {
     /// True for lengths in mesh units.
     pub const fn is_length(&self) -> bool {
@@ -86,9 +97,12 @@ impl Domain {
     }
 
     /// The length that 0 stands for, if it does. \[mesh units\]
-    pub fn automatic_length(&self, mean_edge: f32) -> Option<f32> {
+    pub fn automatic_length(&self, scale: Scale) -> Option<f32> {
         match self {
-            Self::Length { automatic, .. } if *automatic > 0.0 => Some(automatic * mean_edge),
+            Self::Length { automatic, automatic_most, .. } if *automatic > 0.0 => {
+                let most = automatic_most.map_or(f64::INFINITY, |most| f64::from(most) / scale.meters);
+                Some((automatic * scale.mean_edge).min(most as f32))
+            }
             _ => None,
         }
     }

@@ -7,7 +7,7 @@ mod bind;
 mod domain;
 
 pub use bind::{LARGEST, did_you_mean, float_primvar, nearest, primvar, subset_of, within_size_in_meters};
-pub use domain::Domain;
+pub use domain::{Domain, Scale};
 
 use crate::error::Error;
 use crate::garment::Mesh;
@@ -123,8 +123,8 @@ pub trait OptionGroup {
     /// The values, in the order of the keys.
     fn given(&self) -> Vec<Given<'_>>;
 
-    /// Replaces automatic lengths by a share of `mean_edge`, the mean edge length of the garment. \[mesh units\]
-    fn resolve_lengths(&mut self, mean_edge: f32);
+    /// Replaces automatic lengths by those for a garment of this scale.
+    fn resolve_lengths(&mut self, scale: Scale);
 }
 
 impl dyn OptionGroup + '_ {
@@ -207,10 +207,10 @@ macro_rules! __options {
                 vec![$(self.$field.given(),)+]
             }
 
-            fn resolve_lengths(&mut self, mean_edge: f32) {
+            fn resolve_lengths(&mut self, scale: $crate::options::Scale) {
                 use $crate::options::OptionValue as _;
                 $(
-                    if let Some(length) = $domain.automatic_length(mean_edge) {
+                    if let Some(length) = $domain.automatic_length(scale) {
                         self.$field.replace_zero(length);
                     }
                 )+

@@ -63,11 +63,11 @@ macro_rules! __recipe {
                 all
             }
 
-            /// Replaces automatic lengths (0) by multiples of the garment's mean edge length. \[mesh units\]
-            pub fn resolve_lengths(&mut self, mean_edge: f32) {
+            /// Replaces automatic lengths (0) by those for a garment of this scale.
+            pub fn resolve_lengths(&mut self, scale: tailor_mesh::options::Scale) {
                 use tailor_mesh::options::OptionGroup as _;
-                self.sim.resolve_targets(mean_edge);
-                $(self.$operator.values_mut().for_each(|options| options.resolve_lengths(mean_edge));)+
+                self.sim.resolve_targets(scale.mean_edge);
+                $(self.$operator.values_mut().for_each(|options| options.resolve_lengths(scale));)+
             }
 
             /// Checks every value, without a garment.

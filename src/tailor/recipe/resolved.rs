@@ -6,7 +6,7 @@ use super::{MeshRecipe, RecipeSets, UsedGroup};
 use crate::sim::{Lengths, SimOptions};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::{Mesh, Primvar};
-use tailor_mesh::options::float_primvar;
+use tailor_mesh::options::{Scale, float_primvar};
 
 /// The options of the two meshes, with values that are checked against one garment: lengths are in mesh units, and names are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,7 +38,7 @@ impl ResolvedMeshes {
     pub fn new(recipe: &MeshRecipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
-        recipe.resolve_lengths(mean_edge);
+        recipe.resolve_lengths(Scale { mean_edge, meters: garment.units.meters() });
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
         let resolved = warnings.absorb(Self::of_groups(recipe.clone(), &recipe.used(), garment)?);
         Ok((resolved, warnings))

@@ -78,7 +78,7 @@ options! {
 
         /// Distance between the layers, reduced at tight folds and near other cloth, without a second layer on faces that
         /// other cloth touches; 0 is a tenth of the mesh's mean edge length
-        "thickness" thickness: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, largest: LARGEST },
+        "thickness" thickness: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, automatic_most: None, largest: LARGEST },
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
         /// Painted vertex primvar, named without `primvars:`, that scales the thickness; 0 tucks the layer in, and empty is 1

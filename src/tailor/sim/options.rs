@@ -7,7 +7,7 @@ use tailor_mesh::options::{Domain, Given, OptionValue, options};
 /// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
 const LARGEST: f32 = 1000.0;
 /// A target edge length. 0 stands for half of another length.
-const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, largest: LARGEST };
+const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, automatic_most: None, largest: LARGEST };
 /// The turn above which a corner or a feature line stays, usually above `usual`.
 const fn angle(usual: f32) -> Domain {
     Domain::Number { least: 1.0, most: Some(180.0), or_zero: false, usual: [usual, 180.0], step: 5.0 }

@@ -13,7 +13,7 @@ const MIN_SIDE_SHARE: f32 = 0.05;
 const MOST_ROWS: u32 = 16;
 
 /// A height of either sign.
-const HEIGHT: Domain = Domain::Length { usual: [-0.2, 0.2], automatic: 0.0, largest: LARGEST };
+const HEIGHT: Domain = Domain::Length { usual: [-0.2, 0.2], automatic: 0.0, automatic_most: None, largest: LARGEST };
 
 /// The sides of its edges on which a seam has rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,9 +47,10 @@ options! {
         /// Crease the surface along the edges, without new faces and rows, as levels of detail do from afar
         "crease" crease: bool = false, Domain::Flag, "true or false";
 
-        /// Width of the seam, reduced where the faces beside it are too small; 0 is a quarter of the mesh's mean edge
-        /// length
-        "width" width: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.25, largest: LARGEST },
+        /// Width of the seam, reduced where the faces beside it are too small; 0 is 5 mm, or a quarter of the mesh's mean
+        /// edge length if that is less
+        "width" width: f32 = 0.0,
+            Domain::Length { usual: [0.0, 1.0], automatic: 0.25, automatic_most: Some(0.005), largest: LARGEST },
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
         /// Bulge of the flanks along the normal, a third of the way from the centre to the edge of the seam; above 0 puffs
@@ -67,7 +68,7 @@ options! {
             Domain::Number { least: -1.0, most: Some(1.0), or_zero: true, usual: [-1.0, 1.0], step: 0.05 }, "-1 to 1";
 
         /// Distance along the surface from the edges to the middle of the first row; 0 puts the first row on the edges
-        "offset" offset: f32 = 0.0, Domain::Length { usual: [0.0, 3.0], automatic: 0.0, largest: LARGEST },
+        "offset" offset: f32 = 0.0, Domain::Length { usual: [0.0, 3.0], automatic: 0.0, automatic_most: None, largest: LARGEST },
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
         /// Sides of the edges that have rows: both, left or right; the side with cloth suffices along a border
@@ -78,7 +79,7 @@ options! {
         "rows" rows: u32 = 1, Domain::Whole { most: MOST_ROWS, usual: 3 }, "rows";
 
         /// Distance between the middles of rows, which are narrower where it is too small; 0 is one and a half widths
-        "rowGap" row_gap: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.0, largest: LARGEST },
+        "rowGap" row_gap: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.0, automatic_most: None, largest: LARGEST },
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
     }
 }

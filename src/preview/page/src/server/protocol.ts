@@ -114,6 +114,8 @@ export type Domain =
     usual: [number, number],
     /** The length that 0 stands for; 0 if it is not a length. [mean edge lengths of the garment] */
     automatic: number,
+    /** The most that it is, however large the faces are. [m] */
+    automaticMost: number | null,
     /** The largest length. [sizes of the garment] */
     largest: number,
   }

@@ -1,7 +1,7 @@
 // The garment with the options that the panel shows.
 
 import type { KindName } from "../server/options";
-import type { GarmentMessage, Group, Option, Role, Severity, Warning } from "../server/protocol";
+import type { Domain, GarmentMessage, Group, Option, Role, Severity, Warning } from "../server/protocol";
 
 /** A kind of operator. */
 export interface Kind {
@@ -41,6 +41,13 @@ export function garmentOf(message: GarmentMessage): Garment {
   const warnings = findingsIn(message.warnings, "model");
   const kinds = message.groups.filter(({ isOperator }) => isOperator).map(kindOf);
   return { ...message, warnings, options, fabric, kinds };
+}
+
+/** The length that 0 stands for, if it does. [mesh units] */
+export function automaticLength(domain: Domain, garment: Garment | null): number | null {
+  if (domain.type !== "length" || domain.automatic === 0) return null;
+  const most = (domain.automaticMost ?? Infinity) / (garment?.metersPerUnit ?? 1);
+  return Math.min(domain.automatic * (garment?.meanEdge ?? 1), most);
 }
 
 function kindOf({ name, options }: Group): Kind {

@@ -3,7 +3,7 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Stacked } from "../../server/protocol";
 import { giveValues, valuesOf } from "../../state/cards";
-import type { Kind } from "../../state/garment";
+import { automaticLength, type Garment, type Kind } from "../../state/garment";
 import { presetOf, presetsOf, removePreset, savePreset, type Preset } from "../../state/presets";
 import { isEnabled, instanceAt } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
@@ -28,7 +28,7 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   const known = useSelect((state) => state.presets);
   const presets = presetsOf(known, kind.name);
   const current = presetOf(presets, valuesOf(store.state, operator));
-  const drawn = { kind: kind.name, auto: used ?? automatic(kind, garment?.meanEdge ?? 1) };
+  const drawn = { kind: kind.name, auto: used ?? automatic(kind, garment) };
   return (
     <div class="look">
       <Profile {...drawn} fields={fields} unit={unitOf("mesh units", garment)} isOff={isOff} />
@@ -67,9 +67,9 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   }
 }
 
-function automatic({ name, options }: Kind, meanEdge: number): number {
+function automatic({ name, options }: Kind, garment: Garment | null): number {
   const domain = options.find(({ key }) => key === LENGTH[name])?.domain;
-  return domain?.type === "length" ? domain.automatic * meanEdge : 0;
+  return (domain && automaticLength(domain, garment)) ?? 0;
 }
 
 /** Takes the name of a new preset. */

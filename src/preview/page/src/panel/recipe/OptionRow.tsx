@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import type { Value } from "../../server/options";
 import type { Domain, Fault, Option } from "../../server/protocol";
+import { automaticLength } from "../../state/garment";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
 import { isMixed, keysWith } from "../../state/cards";
 import { Segments, Select, Switch } from "../controls/controls";
@@ -164,10 +165,9 @@ function NumberControl({ option, full, value, mixed, ...described }: ControlProp
   const garment = useSelect((state) => state.garment);
   const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
   const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
-  const meanEdge = garment?.meanEdge ?? 1;
-  const range = rangeOf(option.domain, meanEdge);
+  const range = rangeOf(option.domain, garment?.meanEdge ?? 1);
   if (!range) return null;
-  const auto = used ?? ofFabric ?? automatic(option.domain, meanEdge);
+  const auto = used ?? ofFabric ?? automaticLength(option.domain, garment);
   // What an option is without the edits here: typed again, it is no edit.
   const below = (key: string) => valueAt(store.state.document.upstream, key) ?? option.default;
   const set = (changed: number, how: "step" | "continuous") => {
@@ -217,11 +217,6 @@ function rangeOf(domain: Domain, meanEdge: number): Range | null {
     default:
       return null;
   }
-}
-
-/** The length that 0 stands for. */
-function automatic(domain: Domain, meanEdge: number): number | null {
-  return domain.type === "length" && domain.automatic > 0 ? domain.automatic * meanEdge : null;
 }
 
 /** The nearest value that the option takes. A slider's end is not a limit. */
