@@ -74,6 +74,13 @@ test("the drawing of a fold is the cross-section of the render mesh on either si
   const inner = await flatten();
   assert.ok(Math.min(...inner.map(([, z]) => z)) < -0.1, `${inner}`);
   assert.ok((await distanceFromDrawing(preview, "fold.a", inner)) < 0.012);
+  for (const turn of [0, 1.5]) {
+    await preview.after("render", () => preview.set("fold.a.turn", turn));
+    const off = await distanceFromDrawing(preview, "fold.a", await flatten());
+    // The mesh is around its limit where it turns most. The drawing of another turn is off by 0.04.
+    assert.ok(off < 0.025, `turn ${turn}: ${off}`);
+  }
+  await preview.after("render", () => preview.set("fold.a.turn", 1));
   await preview.after("render", () => preview.set("fold.a.side", "outer"));
   const outer = await flatten();
   assert.ok(Math.max(...outer.map(([, z]) => z)) > 0.1, `${outer}`);

@@ -46,6 +46,8 @@ const TAPERED: f32 = 0.9;
 const CLOSED_LENGTH: f32 = 3.0;
 /// Weight of the second layer where it is closed. Smaller closes it more; the surfaces may then intersect where they bend.
 const CLOSED_WEIGHT: f32 = 0.07;
+/// Smallest radius of a turn, in half thicknesses: that of a pressed edge. Copies cannot follow a smaller one.
+const MIN_TURN: f32 = 0.4;
 /// Smallest weight, which separates the layers where 0 is painted.
 const MIN_WEIGHT: f32 = 0.01;
 
@@ -80,6 +82,10 @@ options! {
         /// other cloth touches; 0 is a tenth of the mesh's mean edge length
         "thickness" thickness: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, automatic_most: None, largest: LARGEST },
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
+
+        /// Radius of the turn at the border, in half thicknesses; 1 is round, 0 is pressed flat, and more is a roll
+        "turn" turn: f32 = 1.0,
+            Domain::Number { least: 0.0, most: Some(1.5), or_zero: true, usual: [0.0, 1.5], step: 0.1 }, "half thicknesses";
 
         /// Painted vertex primvar, named without `primvars:`, that scales the thickness; 0 tucks the layer in, and empty is 1
         /// everywhere
@@ -168,8 +174,7 @@ impl Fold {
     }
 
     fn weight(&self, weights: Option<&[f32]>, sources: &[(VertexId, f32)]) -> f32 {
-        let weight = weights.map_or(1.0, |all| sources.iter().map(|&(v, w)| w * all[v.index()]).sum());
-        weight.max(MIN_WEIGHT)
+        weights.map_or(1.0, |all| sources.iter().map(|&(v, w)| w * all[v.index()]).sum::<f32>()).max(MIN_WEIGHT)
     }
 
     fn controls(
@@ -197,15 +202,15 @@ impl Fold {
         controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
-            let taper = if sources.iter().all(|(v, _)| folds[*v]) { tapers(&sources) } else { 1.0 };
+            let is_turn = sources.iter().all(|(v, _)| folds[*v]);
+            let taper = if is_turn { self.options.turn.max(MIN_TURN) * tapers(&sources) } else { 1.0 };
             let closing = match (is_closed || taper < TAPERED, beside.contains(&over)) {
                 (true, _) => LayerEnd::Closed,
                 (_, true) => LayerEnd::Beside,
                 _ => LayerEnd::Open,
             };
-            let open = || (taper * self.weight(weights, &sources)).max(MIN_WEIGHT);
-            let weight = if is_closed { CLOSED_WEIGHT } else { open() };
-            copy_of(over, vertex, weight, closing)
+            let weight = if is_closed { CLOSED_WEIGHT } else { taper * self.weight(weights, &sources) };
+            copy_of(over, vertex, weight.max(MIN_WEIGHT), closing)
         }));
         // After the copies that they are below, which take the clearance.
         let feet = layer.feet.iter();
@@ -296,7 +301,7 @@ impl Operator for Fold {
             Some(Values::F32(weights)) => weights.iter().copied().fold(0.0, f32::max),
             _ => 1.0,
         };
-        self.options.thickness.abs() * most.max(MIN_WEIGHT)
+        self.options.thickness.abs() * self.options.turn.max(1.0) * most.max(MIN_WEIGHT)
     }
 
     fn folded_sets(&self) -> Vec<String> {

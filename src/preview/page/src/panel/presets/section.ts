@@ -18,6 +18,8 @@ export interface Section {
 const LINES = [1 / 3, 2 / 3, 1, 4 / 3];
 /** Smallest share of the width on one side, as in `render/seam/options.rs`. */
 const LEAST_SIDE = 0.05;
+/** Smallest radius of a turn, in half thicknesses, as in `render/fold.rs`. */
+const LEAST_TURN = 0.4;
 /** Length of the second layer that is drawn, in thicknesses. The faces of the fold have their own. */
 const HEM_LENGTH = 7;
 /** Part of the drawing that the second layer takes. */
@@ -75,7 +77,8 @@ export function foldSection(fields: Fields, auto: number, reach?: number): Secti
   // A support loop is as far from the fold as the layers are from one another. The surface stays in place, and the limit of
   // the layer is at the thickness.
   const xs = [far, 0.6 * end, 0.4 * end, -thickness, 0, 0, -thickness, 0.4 * end, 0.6 * end, end];
-  const ys = fitted(xs.map((_, i) => (i < xs.length / 2 ? 0 : y)), xs.map((_, i) => i >= xs.length / 2));
+  const [border, turn] = [xs.length / 2, Math.max(LEAST_TURN, number(fields.turn ?? 1))];
+  const ys = fitted(xs.map((_, i) => (i < border ? 0 : i === border ? turn * y : y)), xs.map((_, i) => i >= border));
   const cloth = joined([xs, ys]);
   const at = 0.75 * end;
   return { cloth, before: [[far, 0], [0, 0]], measures: [{ key: "thickness", from: [at, Math.min(0, y)], to: [at, Math.max(0, y)] }] };
