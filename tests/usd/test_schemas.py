@@ -55,6 +55,7 @@ FOLD = {
     "tailor:fold:x:enabled": ("bool", True),
     "tailor:fold:x:weights": ("token", ""),
     "tailor:fold:x:side": ("token", "inner"),
+    "tailor:fold:x:turn": ("float", 1.0),
     "tailor:fold:x:closed": ("bool", False),
 }
 # Those that are applied more than once are here by the name of an instance, x.
