@@ -20,8 +20,8 @@ GARMENT = names.key("sim", "maxEdgeLength")
 """The property that every garment has."""
 SETS = {"seam": "edges", "fold": "faces"}
 """The option of each kind of operator that names its sets."""
-_GROOVE = 0.001
-"""Depth of a new seam. [m]"""
+_GROOVE = 0.2
+"""Depth of a new seam, as a share of its width."""
 
 
 @dataclass(frozen=True)
@@ -102,10 +102,11 @@ def mean_edge_length(ob) -> float:
     return float(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).mean()) if len(ends) else 0.0
 
 
-def _meters(ob) -> float:
-    """Metres in one mesh unit: the length of a scene's unit, and the scale of the object."""
+def _automatic(ob, of: Option) -> float:
+    """The length that 0 stands for. [mesh units]"""
     scale = abs(ob.matrix_world.to_3x3().determinant()) ** (1 / 3)
-    return bpy.context.scene.unit_settings.scale_length * scale or 1.0
+    meters = bpy.context.scene.unit_settings.scale_length * scale or 1.0
+    return min(mean_edge_length(ob) * of.domain["automatic"], (of.domain["automaticMost"] or np.inf) / meters)
 
 
 def _rounded(length: float) -> float:
@@ -183,17 +184,16 @@ def add_operator(ob, kind: str, name: str, sets: str) -> str:
     """Adds a seam or fold with all its options, and returns its name."""
     order = operators(ob)
     name = names.unique(names.usd_name(name), {other for _, other in order})
-    edge = mean_edge_length(ob)
     for of in table()[kind]:
         value = of.default
         if of.key == SETS[kind]:
             value = sets
         elif of.domain["type"] == "length":
-            value = _rounded(min(edge * of.domain["automatic"], (of.domain["automaticMost"] or np.inf) / _meters(ob)))
+            value = _rounded(_automatic(ob, of))
         put(ob, of, value, name)
     if kind == "seam":
         # A seam without a depth is not seen.
-        put(ob, option("seam", "normalOffset"), -_rounded(min(_GROOVE / _meters(ob), edge / 16)), name)
+        put(ob, option("seam", "normalOffset"), -_rounded(_GROOVE * _automatic(ob, option("seam", "width"))), name)
     _list(ob, [*order, (kind, name)])
     return name
 

@@ -1,7 +1,7 @@
 //! The values that an option takes, and their checks.
 
 use super::Given;
-use super::bind::{fits_garment, float_primvar, subset_of};
+use super::bind::{LARGEST, fits_garment, float_primvar, subset_of};
 use crate::codes;
 use crate::error::Error;
 use crate::garment::Mesh;
@@ -91,6 +91,11 @@ pub struct Scale {
 }
 
 impl Domain {
+    /// A length up to [`LARGEST`]; `usual` and `automatic` are those of [`Domain::Length`].
+    pub const fn length(usual: [f32; 2], automatic: f32) -> Self {
+        Self::Length { usual, automatic, automatic_most: None, largest: LARGEST }
+    }
+
     /// True for lengths in mesh units.
     pub const fn is_length(&self) -> bool {
         matches!(self, Self::Length { .. })
@@ -98,13 +103,9 @@ impl Domain {
 
     /// The length that 0 stands for, if it does. \[mesh units\]
     pub fn automatic_length(&self, scale: Scale) -> Option<f32> {
-        match self {
-            Self::Length { automatic, automatic_most, .. } if *automatic > 0.0 => {
-                let most = automatic_most.map_or(f64::INFINITY, |most| f64::from(most) / scale.meters);
-                Some((automatic * scale.mean_edge).min(most as f32))
-            }
-            _ => None,
-        }
+        let Self::Length { automatic, automatic_most, .. } = *self else { return None };
+        let most = automatic_most.map_or(f32::INFINITY, |most| (f64::from(most) / scale.meters) as f32);
+        (automatic > 0.0).then(|| (automatic * scale.mean_edge).min(most))
     }
 
     /// Checks a value without a garment.

@@ -33,7 +33,7 @@ use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Elements, Mesh, Orientation, Subset, Values};
-use tailor_mesh::options::{Domain, Given, LARGEST, OptionValue, options};
+use tailor_mesh::options::{Domain, Given, OptionValue, options};
 use tailor_mesh::subdivide::{Level, Stencils};
 
 /// Distance of the support loop from the fold, as a share of the thickness. Smaller makes the fold tighter.
@@ -80,12 +80,12 @@ options! {
 
         /// Distance between the layers, reduced at tight folds and near other cloth, without a second layer on faces that
         /// other cloth touches; 0 is a tenth of the mesh's mean edge length
-        "thickness" thickness: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, automatic_most: None, largest: LARGEST },
+        "thickness" thickness: f32 = 0.0, Domain::length([0.0, 0.4], 0.1),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
-        /// Radius of the turn at the border, in half thicknesses; 1 is round, 0 is pressed flat, and more is a roll
+        /// Radius of the turn at the border, in half thicknesses; 1 is round, 0.4 and less is pressed, and more than 1 is a roll
         "turn" turn: f32 = 1.0,
-            Domain::Number { least: 0.0, most: Some(1.5), or_zero: true, usual: [0.0, 1.5], step: 0.1 }, "half thicknesses";
+            Domain::Number { least: 0.0, most: Some(1.5), or_zero: false, usual: [0.0, 1.5], step: 0.1 }, "half thicknesses";
 
         /// Painted vertex primvar, named without `primvars:`, that scales the thickness; 0 tucks the layer in, and empty is 1
         /// everywhere
@@ -203,13 +203,13 @@ impl Fold {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
             let is_turn = sources.iter().all(|(v, _)| folds[*v]);
-            let taper = if is_turn { self.options.turn.max(MIN_TURN) * tapers(&sources) } else { 1.0 };
-            let closing = match (is_closed || taper < TAPERED, beside.contains(&over)) {
+            let [turn, taper] = if is_turn { [self.options.turn.max(MIN_TURN), tapers(&sources)] } else { [1.0; 2] };
+            let closing = match (is_closed || turn.min(taper) < TAPERED, beside.contains(&over)) {
                 (true, _) => LayerEnd::Closed,
                 (_, true) => LayerEnd::Beside,
                 _ => LayerEnd::Open,
             };
-            let weight = if is_closed { CLOSED_WEIGHT } else { taper * self.weight(weights, &sources) };
+            let weight = if is_closed { CLOSED_WEIGHT } else { turn * taper * self.weight(weights, &sources) };
             copy_of(over, vertex, weight.max(MIN_WEIGHT), closing)
         }));
         // After the copies that they are below, which take the clearance.

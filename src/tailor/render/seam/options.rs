@@ -13,7 +13,7 @@ const MIN_SIDE_SHARE: f32 = 0.05;
 const MOST_ROWS: u32 = 16;
 
 /// A height of either sign.
-const HEIGHT: Domain = Domain::Length { usual: [-0.2, 0.2], automatic: 0.0, automatic_most: None, largest: LARGEST };
+const HEIGHT: Domain = Domain::length([-0.2, 0.2], 0.0);
 
 /// The sides of its edges on which a seam has rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -68,7 +68,7 @@ options! {
             Domain::Number { least: -1.0, most: Some(1.0), or_zero: true, usual: [-1.0, 1.0], step: 0.05 }, "-1 to 1";
 
         /// Distance along the surface from the edges to the middle of the first row; 0 puts the first row on the edges
-        "offset" offset: f32 = 0.0, Domain::Length { usual: [0.0, 3.0], automatic: 0.0, automatic_most: None, largest: LARGEST },
+        "offset" offset: f32 = 0.0, Domain::length([0.0, 3.0], 0.0),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
         /// Sides of the edges that have rows: both, left or right; the side with cloth suffices along a border
@@ -79,7 +79,7 @@ options! {
         "rows" rows: u32 = 1, Domain::Whole { most: MOST_ROWS, usual: 3 }, "rows";
 
         /// Distance between the middles of rows, which are narrower where it is too small; 0 is one and a half widths
-        "rowGap" row_gap: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.0, automatic_most: None, largest: LARGEST },
+        "rowGap" row_gap: f32 = 0.0, Domain::length([0.0, 1.0], 0.0),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
     }
 }

@@ -46,8 +46,8 @@ fn the_layers_are_the_amount_apart() {
     }
 }
 
-/// The distance of the layers at each line of the fold, from the border on: the greatest of all places along it.
-fn turned(turn: f32) -> Vec<f32> {
+/// The distance of the layers at the border and at the line behind it: the greatest of all places along the fold.
+fn turned(turn: f32) -> [f32; 2] {
     let garment = checked(sheet(8));
     let turn = format!("fold.t.turn={turn}");
     let options = ["fold.t.faces=half", "fold.t.thickness=0.2", &turn, "render.faceSets=true", "render.level=0"];
@@ -58,13 +58,13 @@ fn turned(turn: f32) -> Vec<f32> {
     // Beside the two ends of the fold, the layer is closed.
     let inside = inner.iter().filter(|v| places[**v].x < 2.9 && (places[**v].y - 4.0).abs() < 2.0);
     let (at, behind): (Vec<VertexId>, Vec<VertexId>) = inside.partition(|v| hem.contains(v));
-    [at, behind].map(|of| of.iter().map(|&v| -places[v].z).fold(0.0, f32::max)).to_vec()
+    [at, behind].map(|of| of.iter().map(|&v| -places[v].z).fold(0.0, f32::max))
 }
 
 #[test]
 fn a_turn_is_round_pressed_or_a_roll() {
     for (turn, at_border) in [(1.0, 0.2), (0.5, 0.1), (1.5, 0.3), (0.0, 0.08)] {
-        let [at, behind] = turned(turn)[..] else { panic!("two lines") };
+        let [at, behind] = turned(turn);
         assert!((at - at_border).abs() < EXACT * 0.2, "{at} at the border, turned by {turn}");
         assert!((behind - 0.2).abs() < EXACT * 0.2, "{behind} behind it, turned by {turn}");
     }

@@ -50,6 +50,15 @@ export function automaticLength(domain: Domain, garment: Garment | null): number
   return Math.min(domain.automatic * (garment?.meanEdge ?? 1), most);
 }
 
+/** The option of each kind of operator that its other lengths are measured by. */
+export const MEASURE = { seam: "width", fold: "thickness" } as const;
+
+/** The length that 0 stands for in the measure of a kind. [mesh units] */
+export function automaticMeasure({ name, options }: Kind, garment: Garment | null): number {
+  const domain = options.find(({ key }) => key === MEASURE[name])?.domain;
+  return (domain && automaticLength(domain, garment)) ?? 0;
+}
+
 function kindOf({ name, options }: Group): Kind {
   const sets = options.flatMap(({ key, domain }) =>
     domain.type === "sets" && domain.required ? [{ field: key, of: domain.of[0] }] : [],

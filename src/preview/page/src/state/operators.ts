@@ -1,26 +1,22 @@
 // Changes of the stack: operators that are added, copied, renamed, moved, removed.
 
 import type { Fields, Options } from "../server/options";
-import type { Garment, Kind } from "./garment";
+import { automaticMeasure, type Garment, type Kind } from "./garment";
 import { fullName, listOf, instanceAt, uniqueName } from "./recipe";
 import { withInstance, withValue, ORDER, type Operator } from "./recipe";
 import type { Selection } from "./selection";
 import type { Store } from "./store";
 import { isTyping } from "./typing";
 
-/** Depth of a new seam [m], and the most that it is of the mean edge. */
-const GROOVE = 0.001;
-const MOST_GROOVE = 0.05;
+/** Depth of a new seam, as a share of its width. */
+const GROOVE = 0.2;
 
 /** A new operator of a set, named after it or after `wish`. The camera flies to it if it is out of view. */
 export function addOperator(store: Store, kind: Kind, set: string, wish = set): Operator {
   const { document, garment } = store.state;
   const name = uniqueName(document.merged, kind.name, wish);
   const fields: Fields = { [kind.sets.field]: [set] };
-  if (kind.name === "seam" && garment) {
-    const depth = Math.min(GROOVE / (garment.metersPerUnit ?? 1), MOST_GROOVE * garment.meanEdge);
-    fields.normalOffset = -Number(depth.toPrecision(2));
-  }
+  if (kind.name === "seam") fields.normalOffset = -Number((GROOVE * automaticMeasure(kind, garment)).toPrecision(2));
   const operator = { kind: kind.name, name };
   insert(store, operator, fields);
   store.view?.reveal(set);

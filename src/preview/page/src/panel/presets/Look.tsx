@@ -3,7 +3,7 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Stacked } from "../../server/protocol";
 import { giveValues, valuesOf } from "../../state/cards";
-import { automaticLength, type Garment, type Kind } from "../../state/garment";
+import { automaticMeasure, MEASURE, type Kind } from "../../state/garment";
 import { presetOf, presetsOf, removePreset, savePreset, type Preset } from "../../state/presets";
 import { isEnabled, instanceAt } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
@@ -11,9 +11,6 @@ import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
 import { unitOf } from "../controls/numbers";
 import { Profile, SmallProfile } from "./Profile";
-
-/** The length of a kind that its drawing is measured by. */
-const LENGTH = { seam: "width", fold: "thickness" } as const;
 
 /** Length of the folds that the menu draws, in thicknesses of the thickest one. */
 const REACH = 4;
@@ -24,11 +21,11 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   const garment = useSelect((state) => state.garment);
   const fields = useSelect(({ document }) => instanceAt(document.merged, operator)) ?? {};
   const isOff = useSelect(({ document }) => !isEnabled(document.merged, operator));
-  const used = useSelect(({ products }) => products.render?.lengths[`${operator.full}.${LENGTH[kind.name]}`]);
+  const used = useSelect(({ products }) => products.render?.lengths[`${operator.full}.${MEASURE[kind.name]}`]);
   const known = useSelect((state) => state.presets);
   const presets = presetsOf(known, kind.name);
   const current = presetOf(presets, valuesOf(store.state, operator));
-  const drawn = { kind: kind.name, auto: used ?? automatic(kind, garment) };
+  const drawn = { kind: kind.name, auto: used ?? automaticMeasure(kind, garment) };
   return (
     <div class="look">
       <Profile {...drawn} fields={fields} unit={unitOf("mesh units", garment)} isOff={isOff} />
@@ -44,7 +41,7 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   );
 
   function items(): MenuItem[] {
-    // Folds differ by their thickness alone, so that they are drawn to one scale.
+    // Folds differ most by their thickness, so that they are drawn to one scale.
     const reach = REACH * Math.max(...presets.map(({ values }) => Number(values.thickness ?? 0)));
     const saved = current?.isSaved ? [current] : [];
     return [
@@ -65,11 +62,6 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
       })),
     ];
   }
-}
-
-function automatic({ name, options }: Kind, garment: Garment | null): number {
-  const domain = options.find(({ key }) => key === LENGTH[name])?.domain;
-  return (domain && automaticLength(domain, garment)) ?? 0;
 }
 
 /** Takes the name of a new preset. */
