@@ -3,7 +3,7 @@
 import bpy
 import numpy
 import pytest
-from bl_ext.user_default.usd_tailor import links, messages
+from bl_ext.user_default.usd_tailor import links, messages, recipe
 from loop import active, points, products, set_up, weights
 
 
@@ -119,6 +119,18 @@ def test_the_scale_is_applied_to_lengths_too():
     assert ob["tailor:seam:sewn:asymmetry"] == before["tailor:seam:sewn:asymmetry"]
     bpy.ops.tailor.check()
     assert not messages.of(ob)["failed"]
+
+
+@pytest.mark.parametrize("scale", [1, 0.25])
+def test_a_new_seam_has_real_sizes(scale):
+    ob = set_up(armature=False, shape_key=False)
+    ob.scale = (scale, scale, scale)
+    bpy.context.view_layer.update()
+    recipe.add_operator(ob, "seam", "new", "seams()")
+    width = min(recipe.mean_edge_length(ob) / 4, 0.005 / scale)
+    depth = -ob["tailor:seam:new:normalOffset"]
+    # Both are written with two digits.
+    assert (ob["tailor:seam:new:width"], depth) == (pytest.approx(width, rel=0.05), pytest.approx(width / 5, rel=0.05))
 
 
 def test_subdivision_is_last_and_has_the_levels_that_are_left(shirt):
