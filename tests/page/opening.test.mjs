@@ -30,8 +30,9 @@ async function assertDrawn(preview) {
 }
 
 test("the three meshes of the coat are drawn, and nothing is asked of anybody else", async (t) => {
-  const preview = await show(t, example("coat.usda"));
+  const preview = await show(t, example("coat.usda"), { rests: true });
   await assertDrawn(preview);
+  await preview.when(() => preview.view.samples() >= 4);
   const { model, sim, render } = await preview.meshes();
   const garment = await preview.state(({ garment }) => garment);
   assert.deepEqual([model.points, model.faces], [garment.points, garment.faces]);
