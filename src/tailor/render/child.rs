@@ -153,11 +153,6 @@ impl OperatorDerivation {
             }
         }
     }
-
-    /// Whether `vertex` is one of the parent's, unmoved.
-    fn is_kept(&self, vertex: VertexId) -> bool {
-        self.vertices.at(vertex.index()).len() == 1
-    }
 }
 
 impl Derivation for OperatorDerivation {
@@ -278,7 +273,10 @@ impl OperatorDerivation {
             });
             shared.corners.push((corner, row));
         }
-        debug_assert!(!self.is_kept(vertex) || (first..shared.sums.len()).all(|row| shared.sums.at(row).len() == 1));
+        debug_assert!(
+            self.vertices.at(vertex.index()).len() > 1
+                || (first..shared.sums.len()).all(|row| shared.sums.at(row).len() == 1)
+        );
     }
 }
 

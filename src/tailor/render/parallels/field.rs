@@ -31,7 +31,8 @@ pub struct Surface<'a> {
 
 /// The distances.
 pub struct Field<'a> {
-    surface: &'a Surface<'a>,
+    /// The surface.
+    pub surface: &'a Surface<'a>,
     spans: IdVec<EdgeId, Option<Span>>,
     /// For each corner at a vertex of a chain, the half-edge of the chain that its sector belongs to, if that side is wanted.
     sectors: IdVec<CornerId, Option<CornerId>>,
@@ -71,11 +72,6 @@ impl<'a> Field<'a> {
         field.find_sectors();
         field.spread(reach);
         field
-    }
-
-    /// The surface.
-    pub fn surface(&self) -> &'a Surface<'a> {
-        self.surface
     }
 
     /// True if an edge of a chain has a face on this side of the chain.
@@ -276,15 +272,16 @@ impl<'a> Field<'a> {
         let mut settled = vec![false; self.feet.len()];
         let mut front: BinaryHeap<Reverse<(u32, Sample)>> = BinaryHeap::new();
         let sources: Vec<VertexId> = self.is_source.ids().filter(|&v| self.is_source[v]).collect();
+        // The samples around the last line are needed too, to place it between them.
+        let mut most = reach;
         for corner in sources.into_iter().flat_map(|v| t.vertex_corners.row(v)) {
+            most = most.max(reach + self.size(*corner));
             for sample in self.quarter(*corner) {
                 if self.is_on_chain(sample) {
                     self.relax(*corner, sample, &settled, &mut front);
                 }
             }
         }
-        // The samples around the last line are needed too, to place it between them.
-        let mut most = reach;
         while let Some(Reverse((bits, sample))) = front.pop() {
             let distance = f32::from_bits(bits);
             if settled[sample] || self.feet[sample].is_none_or(|foot| foot.distance < distance) {
@@ -296,13 +293,18 @@ impl<'a> Field<'a> {
             settled[sample] = true;
             for corner in self.quarters_at(sample) {
                 if distance <= reach {
-                    let [a, b, c, d] = self.quarter(corner).map(|s| self.place(s));
-                    most = most.max(reach + 2.0 * a.distance(c).max(b.distance(d)));
+                    most = most.max(reach + self.size(corner));
                 }
                 self.relax(corner, sample, &settled, &mut front);
             }
         }
         self.feet.iter_mut().zip(settled).filter(|(_, settled)| !settled).for_each(|(foot, _)| *foot = None);
+    }
+
+    /// The size of a face, from a quarter of it. \[mesh units\]
+    fn size(&self, corner: CornerId) -> f32 {
+        let [a, b, c, d] = self.quarter(corner).map(|sample| self.place(sample));
+        2.0 * a.distance(c).max(b.distance(d))
     }
 
     /// Lowers the distances in a quarter by the wave through a sample of it.

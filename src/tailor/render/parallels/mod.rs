@@ -104,10 +104,10 @@ pub fn insert<'a>(request: &ParallelRequest<'a>) -> Parallels<'a> {
 
 impl<'a> ParallelRequest<'a> {
     fn topology(&self) -> &'a Topology {
-        self.field.surface().topology
+        self.field.surface.topology
     }
 
     fn points(&self) -> &'a IdVec<VertexId, Vec3> {
-        self.field.surface().points
+        self.field.surface.points
     }
 }

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use tailor_mesh::connectivity::{EdgeId, FaceId, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Mesh, Orientation, Subset};
+use tailor_mesh::subdivide::carried_points;
 
 /// Lines of a row.
 const LINES: usize = 2 * SHARES.len() + 1;
@@ -291,14 +292,11 @@ impl Rows {
         let (length, fades) = (request.field.lengths()[chain], request.chains[chain].fades);
         let ([from, _], [_, to]) = (request.field.span(run[0].0), request.field.span(run[run.len() - 1].0));
         let is_at_end = |fades: bool, left: f32| fades && left < 2.0 * request.fading;
-        if is_at_end(fades[0], from) || is_at_end(fades[1], length - to) {
-            return false;
-        }
         let (_, vertex) = run[run.len() / 2];
         let is_near = |block: &Block| {
             block.field.around_vertex(vertex).is_some_and(|foot| foot.distance < block.width + 0.5 * distance)
         };
-        request.blocks.iter().any(is_near)
+        !is_at_end(fades[0], from) && !is_at_end(fades[1], length - to) && request.blocks.iter().any(is_near)
     }
 }
 
@@ -335,7 +333,9 @@ impl Operator for Rows {
         crate::render::refuse_loop(cage, &self.label())?;
         let (t, ladder) = (cage.topology(), Ladder::new(self.options()));
         let is_left_handed = cage.garment.orientation == Orientation::LeftHanded;
-        let surface = Surface { topology: t, points: &cage.garment.points, is_left_handed };
+        // The surface is beside the cage where its faces are uneven, and distances are those on the surface.
+        let points = carried_points(&&cage.level.limit_rows(), &cage.garment.points);
+        let surface = Surface { topology: t, points: &points, is_left_handed };
         let (network, chains) = self.chains(cage, self.number, None);
         let distances = [0, 1].map(|side| ladder.lines(side));
         let furthest = distances.iter().flatten().fold(0.0, |most: f32, &line| most.max(line));
@@ -356,8 +356,7 @@ impl Operator for Rows {
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
-        let height =
-            |part: &RowPart| if part.share > 0.0 { part.share * self.options().profile_at(part.across) } else { 0.0 };
+        let height = |part: &RowPart| part.share * self.options().profile_at(part.across);
         output.details.downcast_ref::<Vec<RowPart>>().map_or_else(Vec::new, |parts| parts.iter().map(height).collect())
     }
 

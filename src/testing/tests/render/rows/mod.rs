@@ -115,6 +115,42 @@ fn rows_keep_their_distance_on_a_sheet() {
 }
 
 #[test]
+fn rows_nearer_than_half_a_face_are_there() {
+    let garment = flat(&[[0, 8], [16, 8]]);
+    for offset in [0.3, 0.06, 0.02] {
+        let sizes = [format!("seam.s.offset={offset}"), format!("seam.s.width={}", 0.7 * offset)];
+        let options =
+            ["render.level=0".into(), "seam.s.edges=line".into(), format!("seam.s.normalOffset={}", 0.1 * offset)];
+        let (mesh, warnings) = rendered(&garment, &[&options[..], &sizes].concat());
+        assert!(warnings.is_empty(), "{offset}: {warnings:?}");
+        for x in 0..=N {
+            for side in [-1.0, 1.0] {
+                let is_on_row =
+                    |p: &&Vec3| (p.x - x as f32).abs() < 0.01 && (p.y - 8.0 - side * offset).abs() < 0.1 * offset;
+                assert!(mesh.points.iter().any(|p| is_on_row(&p) && p.z > 0.05 * offset), "{offset}: no row at {x}");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_keep_their_distance_over_uneven_faces() {
+    // The rows of points beside the edges are near them at every third column.
+    let mut garment = flat(&[[0, 8], [16, 8]]);
+    for p in garment.points.iter_mut().filter(|p| p.x % 3.0 == 1.0 && (p.y == 7.0 || p.y == 9.0)) {
+        p.y = 8.0 + 0.4 * (p.y - 8.0);
+    }
+    let offset = 0.5;
+    let (mesh, _) = rendered(&garment, &options(&[&format!("seam.s.offset={offset}"), "render.level=4"]));
+    // The highest place of each column of points.
+    for x in (10..150).step_by(5).map(|x| 0.1 * x as f32) {
+        let column = mesh.points.iter().filter(|p| (p.x - x).abs() < 0.05 && p.y > 8.0);
+        let Some(top) = column.max_by(|a, b| a.z.total_cmp(&b.z)) else { panic!("no points at {x}") };
+        assert!(((top.y - 8.0) / offset - 1.0).abs() < 0.04, "{} from the edges at {x}", top.y - 8.0);
+    }
+}
+
+#[test]
 fn sides_are_those_of_the_asymmetry() {
     for (corners, up) in [([[3, 8], [13, 8]], 1.0), ([[13, 8], [3, 8]], -1.0)] {
         let garment = flat(&corners);
