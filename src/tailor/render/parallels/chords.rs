@@ -81,11 +81,11 @@ fn chords(request: &ParallelRequest, crossings: &Crossings, face: FaceId, passag
     let t = request.topology();
     let around = around(request, crossings, face);
     let mut chords: Vec<Chord> = Vec::new();
-    for line in 0..request.line_count() {
+    for line in 0..request.distances[0].len() {
         for [a, b] in ends(request, &around, face, line) {
             let (from, to) = (around[a], around[b]);
             let (Some(foot), Some(other)) = (from.foot, to.foot) else { continue };
-            if !request.is_closed && from.share.max(to.share) <= 0.0 {
+            if from.share.max(to.share) <= 0.0 {
                 continue;
             }
             let along = if foot.chain == other.chain { [foot.along, other.along] } else { [foot.along; 2] };
@@ -174,7 +174,7 @@ fn bend(request: &ParallelRequest, face: FaceId, passage: Passage, [from, to]: [
     let middle = 0.5 * (from + to);
     let over = |p: Vec2| request.field.within(face, place(p)).map(|foot| request.over(passage.line, &foot));
     let Some(start) = over(middle) else { return (middle, false) };
-    let lines = &request.distances[passage.chain][passage.side];
+    let lines = &request.distances[passage.side];
     let step = lines.windows(2).map(|pair| pair[1] - pair[0]).fold(f32::INFINITY, f32::min);
     let across = (to - from).perp().normalize_or_zero();
     let is_within = |p: Vec2| p.cmpge(Vec2::splat(RIM)).all() && p.cmple(Vec2::splat(1.0 - RIM)).all();
