@@ -245,7 +245,7 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
         // Beside small shells UVs are approximate.
         (b.uv - a.uv).perp_dot(c.uv - a.uv) * senses[0] <= 0.0 && senses.iter().all(|&sense| sense != 0.0)
     };
-    if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
+    if base.has_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }
 
 /// A sheet of `n` by `n` rhombs, which are two equilateral triangles each.
