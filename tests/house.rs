@@ -112,6 +112,14 @@ fn crates_keep_their_budgets() {
     }
 }
 
+#[test]
+fn the_page_of_security_counts_unsafe_blocks() {
+    let mut files = Vec::new();
+    ["src", "usd_plugin"].iter().for_each(|folder| sources(&root().join(folder), &mut files));
+    let blocks: usize = files.iter().map(|file| read(file).matches("unsafe {").count()).sum();
+    assert!(read(&root().join("SECURITY.md")).contains(&format!("has {blocks} unsafe blocks")), "{blocks} blocks");
+}
+
 /// The files of CONTRIBUTING.md that have to name each operator, which neither a compiler nor a generated file makes them do.
 const PLACES: [&str; 4] = [
     "src/preview/page/src/server/options.ts",

@@ -4,7 +4,6 @@ use super::assets::{Anchor, as_named, file_path};
 use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -192,46 +191,37 @@ impl BuildRecord {
     pub(super) fn author(&self, data: &mut sdf::Data) -> Result<(), Error> {
         let root = sdf::Path::abs_root();
         let known = data.try_field(&root, FieldKey::CustomLayerData.as_str()).or_unreadable(&root)?;
-        let mut layer_data = match known.map(Cow::into_owned) {
-            Some(Value::Dictionary(known)) => known,
-            _ => HashMap::new(),
-        };
-        let mut ours = match layer_data.remove(names::PRODUCT_SPACE) {
-            Some(Value::Dictionary(ours)) => ours,
-            _ => HashMap::new(),
-        };
+        let mut layer_data = known.and_then(|known| known.into_owned().try_as_dictionary()).unwrap_or_default();
+        let ours = layer_data.remove(names::PRODUCT_SPACE).and_then(Value::try_as_dictionary);
+        let mut ours = ours.unwrap_or_default();
         ours.insert(KEY.into(), Value::Dictionary(self.dictionary()));
         layer_data.insert(names::PRODUCT_SPACE.into(), Value::Dictionary(ours));
         AbstractData::set_field(data, &root, FieldKey::CustomLayerData.as_str(), Value::Dictionary(layer_data));
         Ok(())
     }
 
+    /// Lists of texts are left out where they are empty: not every reader of crates has empty ones in dictionaries.
     fn dictionary(&self) -> HashMap<String, Value> {
-        let texts = |texts: Vec<String>| Value::StringVec(texts);
-        HashMap::from([
-            ("version".into(), Value::String(self.version.clone())),
-            ("request".into(), Value::String(self.request.clone())),
-            ("prim".into(), Value::String(self.prim.clone())),
-            ("variants".into(), texts(self.variants.clone())),
-            ("files".into(), texts(self.files.keys().cloned().collect())),
-            ("sizes".into(), Value::Int64Vec(self.files.values().map(|file| file.bytes as i64).collect())),
-            ("hashes".into(), texts(self.files.values().map(|file| file.hash.clone()).collect())),
-        ])
+        let (paths, hashes) = self.files.iter().map(|(path, file)| (path.clone(), file.hash.clone())).unzip();
+        let lists = [("variants", self.variants.clone()), ("files", paths), ("hashes", hashes)];
+        let lists = lists.into_iter().filter(|(_, texts)| !texts.is_empty());
+        let sizes = self.files.values().map(|file| file.bytes as i64).collect();
+        let one = [
+            ("version", Value::String(self.version.clone())),
+            ("request", Value::String(self.request.clone())),
+            ("prim", Value::String(self.prim.clone())),
+            ("sizes", Value::Int64Vec(sizes)),
+        ];
+        let all = lists.map(|(key, texts)| (key, Value::StringVec(texts))).chain(one);
+        all.map(|(key, value)| (key.to_owned(), value)).collect()
     }
 
     fn in_layer(layer: &sdf::Layer) -> Option<Self> {
         let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str()).ok()??;
-        let Value::Dictionary(data) = data.as_ref() else { return None };
-        let Value::Dictionary(ours) = data.get(names::PRODUCT_SPACE)? else { return None };
-        let Value::Dictionary(record) = ours.get(KEY)? else { return None };
-        let text = |key: &str| match record.get(key) {
-            Some(Value::String(text)) => Some(text.clone()),
-            _ => None,
-        };
-        let texts = |key: &str| match record.get(key) {
-            Some(Value::StringVec(texts)) => Some(texts.clone()),
-            _ => None,
-        };
+        let ours = data.into_owned().try_as_dictionary()?.remove(names::PRODUCT_SPACE)?;
+        let record = ours.try_as_dictionary()?.remove(KEY)?.try_as_dictionary()?;
+        let text = |key: &str| record.get(key)?.clone().try_as_string();
+        let texts = |key: &str| record.get(key).map_or(Some(Vec::new()), |texts| texts.clone().try_as_string_vec());
         let Some(Value::Int64Vec(sizes)) = record.get("sizes") else { return None };
         let (files, hashes) = (texts("files")?, texts("hashes")?);
         (files.len() == hashes.len() && files.len() == sizes.len()).then_some(())?;

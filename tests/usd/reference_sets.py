@@ -82,7 +82,7 @@ class Reference:
 
     def corner_values(self, name):
         primvar = self.mesh.primvars[name]
-        return [tuple(v) for v in primvar.rows] if primvar.indices is None else primvar.indices.tolist()
+        return [tuple(v) for v in primvar.flat]
 
     def uv_seams(self, name="st"):
         """Edges at which some face has other values at the ends."""

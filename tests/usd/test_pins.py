@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import EXAMPLES, run
 from pxr import Sdf, Usd, UsdGeom, UsdValidation
+from surface import distance_to_segments
 
 TSHIRT, COAT = (EXAMPLES / f"{name}.usda" for name in ("tshirt", "coat"))
 LENGTHS = (1.0, 2.0, 4.0)
@@ -28,12 +29,12 @@ def points_of(mesh, name):
 
 
 def marked(tmp_path, source, of):
-    """A garment with the points of a set as the point set `held`, the painted weight `weight`, and as a varying primvar, by which
-    USD's rules give the share of these points at each point of the render mesh."""
+    """A garment with the points of a set, or some points, as the point set `held`, the painted weight `weight`, and as a varying
+    primvar, by which USD's rules give the share of these points at each point of the render mesh."""
     # Other tests of this process have the layer of the file.
     stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(source)))
     mesh = next(UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
-    points = points_of(mesh, of)
+    points = points_of(mesh, of) if isinstance(of, str) else of
     UsdGeom.Subset.CreateGeomSubset(mesh, "held", "point", points.tolist(), "held")
     share = np.isin(np.arange(len(mesh.GetPointsAttr().Get())), points).astype(np.float32)
     for name, interpolation in (("weight", "vertex"), ("share", "varying")):
@@ -127,3 +128,20 @@ def test_vertices_on_the_chains_of_an_edge_set_are_held_whole(build, tmp_path, l
     far = nearest(points, span(product))
     assert held.sum() > 20 and far[held].max() < 0.45 * length
     assert held[far < 0.1 * length].all()
+
+
+@pytest.mark.parametrize("length", LENGTHS)
+def test_all_border_vertices_on_edges_between_two_pinned_points_are_held(build, built, tmp_path, length):
+    """Seven of ten points of the borders are pinned, so that edges with two pinned ends begin and end everywhere."""
+    source = built(TSHIRT).source
+    on_border = np.unique(source.topology.edges[source.topology.edge_faces == 1])
+    some = np.random.default_rng(0).choice(on_border, 7 * len(on_border) // 10, replace=False)
+    lengths = ["--set", f"sim.maxEdgeLength={length}", "--set", f"sim.minEdgeLength={length}", "--set", "render.level=3"]
+    product = build(marked(tmp_path, TSHIRT, np.sort(some)), *lengths, "--set", "cloth.pins=held")
+    borders = [mesh.topology.edges[mesh.topology.edge_faces == 1] for mesh in (product.render, product.sim)]
+    pinned = product.render.primvars["share"].flat[borders[0]].min(axis=(1, 2)) > 1 - 1e-5
+    vertices = np.unique(borders[1])
+    away = distance_to_segments(product.sim.points[vertices], product.render.points[borders[0][pinned]])
+    _, _, held = sim_of(product)
+    between = away < 0.02 * length
+    assert between.sum() > 20 and held[vertices[between]].all()

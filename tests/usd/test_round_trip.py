@@ -3,7 +3,9 @@
 import os
 
 import pytest
-from pxr import Sdf, Usd
+from conftest import EXAMPLES, write
+from mesh import find_model
+from pxr import Sdf, Usd, Vt
 
 FLAT = {suffix: ("--flatten",) for suffix in (".usda", ".usdc", ".usdz")}
 
@@ -78,3 +80,29 @@ def test_text_parses_and_prints_the_same(product):
     again = Sdf.Layer.CreateAnonymous(".usda")
     assert again.ImportFromString(text), text[:2000]
     assert again.ExportToString() == text
+
+
+def test_what_open_usd_writes_of_an_output_is_built_again(usdtailor, garment, built, tmp_path):
+    exported = tmp_path / "exported.usdc"
+    assert built(garment, "--flatten", suffix=".usdc").stage.GetRootLayer().Export(str(exported))
+    write(usdtailor, exported, tmp_path / "again.usda", "--flatten")
+
+
+EMPTY = {"strings": Vt.StringArray(), "inner": {"assets": Sdf.AssetPathArray(), "tokens": Vt.TokenArray(), "numbers": Vt.Int64Array()}}
+
+
+@pytest.mark.parametrize("suffix", FLAT)
+def test_empty_lists_in_dictionaries_are_read_and_written(usdtailor, tmp_path, suffix):
+    # Other tests of this process have the layer of the file.
+    stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(EXAMPLES / "tshirt.usda")))
+    stage.GetRootLayer().customLayerData = EMPTY
+    model = find_model(stage)
+    model.SetCustomData(EMPTY)
+    source, flat = tmp_path / "source.usdc", tmp_path / f"flat{suffix}"
+    stage.Export(str(source))
+    write(usdtailor, source, flat, "--flatten")
+    found = Usd.Stage.Open(str(flat))
+    of_prim, data = found.GetPrimAtPath(model.GetPath()).GetCustomData(), found.GetRootLayer().customLayerData
+    assert {key: of_prim[key] for key in EMPTY} == EMPTY == {key: data[key] for key in EMPTY}
+    texts = [value for value in data["tailor"]["build"].values() if isinstance(value, Vt.StringArray)]
+    assert texts and all(len(text) > 0 for text in texts), "no reader has to know empty lists of our own"

@@ -1,7 +1,8 @@
 """Which UV set gives the seams, and what is reported where there is none."""
 
+import numpy as np
 import pytest
-from conftest import EXAMPLES, run
+from conftest import EXAMPLES, MADE, run
 from pxr import Sdf, Usd, UsdGeom
 
 
@@ -69,3 +70,20 @@ def test_info_lists_operators_with_their_sets(usdtailor):
     lines = [line.split() for line in described.stdout.splitlines()]
     assert [line for line in lines if line[:1] == ["seam"]] and [line for line in lines if line[:1] == ["fold"]]
     assert "edges)" in described.stdout and "faces)" in described.stdout
+
+
+def largest_ratios(mesh):
+    """For each face the largest ratio of an edge in UVs to the edge in space."""
+    uvs, after = mesh.primvars["st"].flat, mesh.topology.next_corner
+    in_uvs, in_space = (np.linalg.norm(at - at[after], axis=1) for at in (uvs, mesh.points[mesh.indices]))
+    found = np.zeros(len(mesh.counts))
+    np.maximum.at(found, mesh.topology.corner_face, in_uvs / in_space)
+    return found
+
+
+@pytest.mark.parametrize("source", [EXAMPLES / "tshirt.usda", EXAMPLES / "coat.usda", MADE / "split_uv_indices.usdc"])
+def test_no_triangle_stretches_across_the_texture_without_seams(built, source):
+    product = built(source, "--set", "sim.constrainUvSeams=false")
+    most = 3 * np.percentile(largest_ratios(product.source), 99.5)
+    assert (largest_ratios(product.sim) > most).sum() == 0
+    assert not [warning for warning in product.warnings if warning.startswith("uv-flips")]

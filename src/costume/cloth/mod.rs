@@ -128,7 +128,8 @@ impl Cloth {
         };
         let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
         let cage = CageStretch::new(garment, pattern);
-        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), pattern.uv_set)?;
+        let panels = cage.as_ref().filter(|_| product.baseline.has_uvs);
+        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, panels, pattern.uv_set)?;
         warnings.extend(of_rest);
         let cloth = Self {
             physics: options.physics.clone(),

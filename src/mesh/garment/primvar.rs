@@ -254,21 +254,20 @@ impl Primvar {
         self.mixing() != Mixing::Discrete
     }
 
-    /// The row of each corner of a face-varying primvar.
-    ///
-    /// Corners with equal indices share a value. Without indices, corners of one vertex share it where their rows are equal
-    /// bit for bit, so that the UV shells of an unindexed layout stay whole.
+    /// The row of each corner of a face-varying primvar: its index. Without indices, [`Primvar::joined_rows`].
     pub fn corner_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
-        if let Some(indices) = &self.indices {
-            return indices.to_vec().into();
-        }
-        let mut rows: IdVec<CornerId, u32> = (0..faces.corners().len() as u32).collect::<Vec<_>>().into();
+        self.indices.as_ref().map_or_else(|| self.joined_rows(faces, vertices), |indices| indices.to_vec().into())
+    }
+
+    /// The row of each corner of a face-varying primvar, where corners of one vertex share a row if their values are equal bit
+    /// for bit. Layouts without indices, and with more of them than values, keep their shells whole.
+    pub fn joined_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
+        let mut rows: IdVec<CornerId, u32> = (0..faces.corners().len()).map(|c| self.row(c) as u32).collect();
         let at_vertex = Csr::group(vertices, faces.corners().enumerated().map(|(c, &v)| (v, c)), CornerId::new(0));
-        let width = self.width();
         for vertex in (0..vertices).map(VertexId::new) {
             let corners = at_vertex.row(vertex);
             for (i, &c) in corners.iter().enumerate() {
-                let same = |d: &&CornerId| self.values.same_rows(width, c.index(), d.index());
+                let same = |&&d: &&CornerId| self.values.same_rows(self.width(), rows[c] as usize, rows[d] as usize);
                 if let Some(&first) = corners[..i].iter().find(same) {
                     rows[c] = rows[first];
                 }

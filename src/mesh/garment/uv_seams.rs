@@ -27,10 +27,10 @@ impl Primvar {
 const MIRRORED: f64 = 0.1;
 
 impl Primvar {
-    /// The row at each corner, as [`Primvar::corner_rows`]. Where a shell is folded so that a part of it is mirrored, the rows of
+    /// The row at each corner, as [`Primvar::joined_rows`]. Where a shell is folded so that a part of it is mirrored, the rows of
     /// this part are other ones, with the values of [`Primvar::rows`] rows before.
     pub fn shell_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
-        let mut rows = self.corner_rows(faces, vertices);
+        let mut rows = self.joined_rows(faces, vertices);
         for face in self.mirrored(faces, &rows) {
             faces.corners_of(face).for_each(|corner| rows[corner] += self.rows() as u32);
         }

@@ -152,8 +152,9 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     }
     let baseline = clock.run("baseline", || Ok(baseline(garment, sim)))?;
     if options.relax == Relaxation::Uv && !baseline.has_uvs {
-        let fault = Error::recipe("sim.relax", format!("uv needs panels, and {} has no UV set", garment.prim));
-        return Err(fault.remedy("name a UV set in sim.uvSet, or set sim.relax to surface"));
+        let fault = format!("uv needs panels: {} has no UV set, or sim.constrainUvSeams is false", garment.prim);
+        let remedy = "name a UV set in sim.uvSet, or set sim.relax to surface";
+        return Err(Error::recipe("sim.relax", fault).remedy(remedy));
     }
     let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.min(most_faces(&baseline));
@@ -193,7 +194,7 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
 /// The warning of UVs that are cut at nearly every edge, as scanned and automatically unwrapped garments have them.
 fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
     let topology = &baseline.manifold.level.topology;
-    let channel = baseline.manifold.uv_channel.as_ref().filter(|_| options.constrain_uv_seams)?;
+    let channel = baseline.manifold.uv_channel.as_ref()?;
     let inner = || topology.edges.ids().filter(|&e| !topology.is_border(e));
     let cut = inner().filter(|&e| channel.is_cut(e) && !baseline.small_shells.is_released(e)).count();
     if 2 * cut <= inner().count() {
@@ -235,7 +236,7 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
 
 fn simulated(garment: &Mesh, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
     let product = &remeshed.product;
-    let (transferred, mut warnings) = transfer(garment, product, &sim.options, sim.uv_set(garment));
+    let (transferred, mut warnings) = transfer(garment, product, &sim.options);
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(garment, &areas, &warnings));
     warnings.extend(uvs_flipped(product));

@@ -24,7 +24,7 @@ pub struct ResolvedMeshes {
 pub struct ResolvedSim {
     /// The options with the lengths that are used.
     pub options: SimOptions,
-    /// Index of the UV set in the garment's primvars.
+    /// Index of the UV set in the garment's primvars, if its seams are constraints.
     uv_set: Option<usize>,
     /// Index of the painted density in the garment's primvars.
     density: Option<usize>,
@@ -64,7 +64,7 @@ impl ResolvedSim {
     pub fn new(options: &SimOptions, garment: &Mesh) -> Result<Self, Error> {
         let index =
             |found: Option<&Primvar>| garment.primvars.iter().position(|p| found.is_some_and(|f| f.name == p.name));
-        let uv_set = index(bind_uv_set(options, garment)?);
+        let uv_set = index(bind_uv_set(options, garment)?).filter(|_| options.constrain_uv_seams);
         let density = index(float_primvar(garment, "sim.density", &options.density)?);
         Ok(Self { options: options.clone(), uv_set, density })
     }
@@ -74,7 +74,7 @@ impl ResolvedSim {
         Self { options: self.options.without_transfer(), ..*self }
     }
 
-    /// The UV set whose shell borders are seams.
+    /// The UV set whose shell borders are constraints.
     pub fn uv_set<'a>(&self, garment: &'a Mesh) -> Option<&'a Primvar> {
         self.uv_set.map(|index| &garment.primvars[index])
     }

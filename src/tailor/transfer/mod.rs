@@ -33,7 +33,7 @@ use crate::sim::{SimOptions, SimProduct};
 use correspondence::Correspondence;
 use subsets::{CarriedSubsets, EdgeSets};
 use tailor_mesh::error::Warnings;
-use tailor_mesh::garment::{Mesh, Primvar, Scheme, SubdivisionRules};
+use tailor_mesh::garment::{Mesh, Scheme, SubdivisionRules};
 use topology::SimTopology;
 
 /// A simulation mesh with attributes, and figures of their transfer.
@@ -50,13 +50,8 @@ pub struct TransferResult {
 
 /// Carries the attributes of `garment` to the simulation mesh `product`.
 ///
-/// `uv_set` is the primvar whose shells were constraints. Warns of what is lost.
-pub fn transfer(
-    garment: &Mesh,
-    product: &SimProduct,
-    options: &SimOptions,
-    uv_set: Option<&Primvar>,
-) -> (TransferResult, Warnings) {
+/// Warns of what is lost.
+pub fn transfer(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> (TransferResult, Warnings) {
     let mesh = SimTopology::new(product, garment.faces.len());
     let (coverage, edge_sets) = rayon::join(
         || Coverage::with_topology(product, &mesh, options),
@@ -64,7 +59,7 @@ pub fn transfer(
     );
     let map = Correspondence::new(product, &mesh, &coverage);
     let ((primvars, mut warnings), subsets) = rayon::join(
-        || primvars::carry_all(garment, &map, options, uv_set),
+        || primvars::carry_all(garment, &map, options),
         || subsets::carry_all(garment, &map, options, edge_sets),
     );
     let CarriedSubsets { subsets, families, curves, islands } = warnings.absorb(subsets);

@@ -9,13 +9,8 @@ use tailor_mesh::garment::{Interpolation, Mesh, Primvar, joints};
 use tailor_mesh::subdivide::to_unit_length;
 
 /// The garment's primvars on the simulation mesh in the garment's order, and those of provenance if they are asked for.
-pub(super) fn carry_all(
-    garment: &Mesh,
-    map: &Correspondence<'_>,
-    options: &SimOptions,
-    uv_set: Option<&Primvar>,
-) -> (Vec<Primvar>, Warnings) {
-    let carry = |primvar| carry(garment, primvar, map, uv_set);
+pub(super) fn carry_all(garment: &Mesh, map: &Correspondence<'_>, options: &SimOptions) -> (Vec<Primvar>, Warnings) {
+    let carry = |primvar| carry(garment, primvar, map, &options.uv_set);
     let (mut primvars, alone): (Vec<_>, Vec<_>) =
         rayon::join(|| vertices::carry_stacked(garment, map), || garment.primvars.par_iter().map(carry).collect());
     let (carried, warnings): (Vec<_>, Vec<_>) = alone.into_iter().unzip();
@@ -36,7 +31,7 @@ fn carry(
     garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
-    uv_set: Option<&Primvar>,
+    uv_set: &str,
 ) -> (Option<Primvar>, Option<Warning>) {
     if let Some(normals) = normals::recomputed(garment, primvar, map) {
         return (Some(normals), None);

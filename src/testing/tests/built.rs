@@ -7,7 +7,7 @@ use tailor_costume::recipe::Layers;
 use tailor_costume::{Builder, Products};
 use tailor_mesh::Garment;
 use tailor_mesh::error::Warnings;
-use tailor_mesh::garment::{Mesh, Primvar};
+use tailor_mesh::garment::Mesh;
 
 /// A garment and its products.
 pub struct Built {
@@ -40,15 +40,11 @@ impl Built {
 
     /// Transfer alone, made again with other options.
     pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> TransferResult {
-        transfer(&self.garment, product, options, self.uv_set()).0
+        transfer(&self.garment, product, options).0
     }
 
     /// The options of the simulation mesh that were used.
     pub fn options(&self) -> &SimOptions {
         &self.products.recipe.sim
-    }
-
-    fn uv_set(&self) -> Option<&Primvar> {
-        self.garment.primvar(&self.options().uv_set).filter(|primvar| primvar.width() == 2)
     }
 }

@@ -273,14 +273,10 @@ fn is_over(model: &Model, file: &OutputFile) -> bool {
 fn append_sublayer(data: &mut Data, model: &Model, file: &OutputFile) -> Result<(), Error> {
     let root = sdf::Path::abs_root();
     let field = |data: &Data, key: FieldKey| data.try_field(&root, key.as_str()).ok().flatten().map(Cow::into_owned);
-    let sublayers_of = |data: &Data| match field(data, FieldKey::SubLayers) {
-        Some(Value::StringVec(sublayers)) => sublayers,
-        _ => Vec::new(),
-    };
-    let mut offsets = match field(data, FieldKey::SubLayerOffsets) {
-        Some(Value::LayerOffsetVec(offsets)) => offsets,
-        _ => Vec::new(),
-    };
+    let sublayers_of =
+        |data: &Data| field(data, FieldKey::SubLayers).and_then(Value::try_as_string_vec).unwrap_or_default();
+    let offsets = field(data, FieldKey::SubLayerOffsets).and_then(Value::try_as_layer_offset_vec);
+    let mut offsets = offsets.unwrap_or_default();
     let own = sublayers_of(data);
     offsets.resize(own.len(), LayerOffset::IDENTITY);
     let sublayers = [own, sublayers_of(&over_garment(model, file)?)].concat();

@@ -66,8 +66,8 @@ pub struct RestFigures {
     pub seam_difference: f64,
 }
 
-/// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The
-/// warning names shells that are not patterns, beside others that are.
+/// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if the mesh has its
+/// shells. The warning names shells that are not patterns, beside others that are.
 ///
 /// # Errors
 /// `panels` without UVs, or with shells that are not patterns.
@@ -82,7 +82,7 @@ pub fn rest(
     let cage = match (wanted, cage) {
         (RestShape::Mesh, _) | (RestShape::Auto, None) => return Ok((None, None)),
         (RestShape::Panels, None) => {
-            let fault = format!("{} has no UV set \"{uv_set}\"", garment.prim);
+            let fault = format!("{} has no UV set \"{uv_set}\", or sim.constrainUvSeams is false", garment.prim);
             return Err(Error::recipe("cloth.rest", fault)
                 .code(codes::UNUSABLE_PANELS)
                 .remedy("name its UV set in sim.uvSet, or rest on the mesh"));

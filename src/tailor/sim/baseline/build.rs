@@ -56,14 +56,13 @@ impl Baseline {
         let (topology, level_vertex) = separate_fans(topology, is_hole.contains(&true));
         let points: IdVec<VertexId, Vec3> = level_vertex.iter().map(|&v| points[v]).collect();
         let barrier = barrier(&topology, &chains);
-        let holds_uvs = uv_set.is_some() && options.constrain_uv_seams;
         let layout = uv_channel.as_ref().map(|channel| Layout { uvs: &uvs, values: quads.values(channel) });
         let mut facets = facets(&topology, &points, &barrier, layout);
-        let flipped = if holds_uvs { free_flipped(&topology, &uvs, &mut facets) } else { Vec::new() };
+        let has_uvs = uv_set.is_some();
+        let flipped = if has_uvs { free_flipped(&topology, &uvs, &mut facets) } else { Vec::new() };
         let mut baseline = Self {
             facets,
             small_shells,
-            holds_uvs,
             flipped,
             source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
             level_face: quads.faces,
@@ -74,7 +73,7 @@ impl Baseline {
             narrow,
             blunt,
             traced,
-            has_uvs: uv_set.is_some(),
+            has_uvs,
             uvs,
             manifold,
             levels,
@@ -118,7 +117,7 @@ impl Baseline {
 /// The UV shells whose borders constrain nothing.
 fn small_shells(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, manifold: &Manifold) -> SmallShells {
     match &manifold.uv_channel {
-        Some(channel) if options.constrain_uv_seams && options.smallest_shell > 0.0 => {
+        Some(channel) if options.smallest_shell > 0.0 => {
             SmallShells::new(garment, manifold, channel, lengths, options.smallest_shell)
         }
         _ => SmallShells::default(),

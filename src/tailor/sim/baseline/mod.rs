@@ -43,7 +43,8 @@ pub struct Baseline {
     pub topology: Topology,
     /// The constraint UVs of each corner; zero without a UV set.
     pub uvs: IdVec<CornerId, Vec2>,
-    /// Whether there is a UV set.
+    /// Whether there is a UV set. It is one to one over each piece between chains, so that remeshing can keep triangles from
+    /// flipping there.
     pub has_uvs: bool,
     /// The face of the finest level behind each triangle.
     pub level_face: IdVec<FaceId, FaceId>,
@@ -57,10 +58,8 @@ pub struct Baseline {
     pub facets: IdVec<FaceId, Facet>,
     /// UV shells whose borders constrain nothing.
     pub small_shells: SmallShells,
-    /// The triangles whose UVs are flipped or degenerate, where [`Self::holds_uvs`].
+    /// The triangles whose UVs are flipped or degenerate.
     pub flipped: Vec<FaceId>,
-    /// Whether UVs are one to one over each piece between chains, so that remeshing can keep triangles from flipping there.
-    pub holds_uvs: bool,
     /// Target edge length at each vertex. \[mesh units\]
     pub target: IdVec<VertexId, f32>,
     /// Number of vertices whose target grading shortened.

@@ -55,7 +55,7 @@ pub fn constrained_edges(
             feature: false,
             subsets,
         };
-        let holds_seam = kind.seam && options.constrain_uv_seams && !small_shells.is_released(edge);
+        let holds_seam = kind.seam && !small_shells.is_released(edge);
         let is_constrained = kind.border || kind.sharp || is_chosen || holds_seam;
         (solid > 0 && is_constrained).then_some((edge, kind))
     };

@@ -4,7 +4,7 @@
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
 use super::collapse::{COLLAPSE_RATIO, FIRST_COLLAPSE_RATIO, collapse_short_edges, length_deficit};
-use super::finish::finish;
+use super::finish::{finish, turn_to_surface};
 use super::flip::{flip_and_drift, flip_edges};
 use super::queue::{keyed_around, keyed_by_both};
 use super::relax::relax_and_project;
@@ -21,7 +21,7 @@ use tailor_mesh::connectivity::{CornerId, VertexId};
 /// 0.2 makes better angles on some garments and worse ones on others.
 const REGULARITY: f32 = 0.3;
 /// The weight in the last flips: nearly Delaunay.
-const LAST_REGULARITY: f32 = 0.1;
+pub const LAST_REGULARITY: f32 = 0.1;
 /// Rounds with drift: the first ones after the round in patches, so that later ones relax the result. The second alone leaves
 /// 3 % fewer regular vertices; the last one too, 3 % more, and 0.2 degrees less in the 5th percentile of the smallest angle;
 /// the fourth too, 1 to 2 % more, for 4 % of the time.
@@ -121,8 +121,9 @@ fn passes(round: u32, rounds: u32) -> impl Iterator<Item = Pass> {
     edits.iter().copied().chain(is_last.then_some(Pass::SplitFar)).chain([flips]).chain(relax)
 }
 
-/// The passes after the rounds. Relaxation may have moved a triangle that was in the way of a split.
-const LAST: &[Pass] = &[Pass::Relax(LAST_SWEEPS), Pass::SplitFar, LAST_FLIP, Pass::Finish];
+/// The passes after the rounds. Relaxation may have moved a triangle that was in the way of a split, and the finish moves vertices
+/// of edges that were good before. Turns come last: a flip does not see that a triangle faces away.
+const LAST: &[Pass] = &[Pass::Relax(LAST_SWEEPS), Pass::SplitFar, LAST_FLIP, Pass::Finish, LAST_FLIP, Pass::Turn];
 /// The only pass where no round is asked for.
 const LAST_FLIP: Pass = Pass::Flip(LAST_REGULARITY);
 
@@ -141,8 +142,10 @@ pub enum Pass {
     Drift,
     /// Relaxes by so many averages, and projects.
     Relax(usize),
-    /// Improves thin triangles, curves and tight turns.
+    /// Moves vertices of thin triangles, and those of chains towards their curves.
     Finish,
+    /// Flips edges and moves vertices where triangles face away in tight turns.
+    Turn,
 }
 
 /// The options that passes read.
@@ -162,6 +165,7 @@ impl Pass {
             Self::Drift => report.flips += flip_and_drift(mesh, REGULARITY),
             Self::Relax(sweeps) => relax_and_project(mesh, sweeps, context.relaxation),
             Self::Finish => finish(mesh),
+            Self::Turn => turn_to_surface(mesh),
         }
     }
 }

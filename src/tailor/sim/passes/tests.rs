@@ -4,8 +4,9 @@
 use super::collapse::{COLLAPSE_RATIO, collapse_short_edges, length_deficit};
 use super::drift::drift;
 use super::finish::follow_curves;
+use super::flip::flip_edges;
 use super::queue::keyed_by_both;
-use super::remesh::{Pass, PassContext, RemeshReport};
+use super::remesh::{LAST_REGULARITY, Pass, PassContext, RemeshReport, remesh};
 use super::split::{length_excess, split_long_edges};
 use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use crate::sim::surface::lengths::{Lengths, SPLIT_RATIO};
@@ -245,7 +246,7 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
         // Beside small shells UVs are approximate.
         (b.uv - a.uv).perp_dot(c.uv - a.uv) * senses[0] <= 0.0 && senses.iter().all(|&sense| sense != 0.0)
     };
-    if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
+    if base.has_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }
 
 /// A sheet of `n` by `n` rhombs, which are two equilateral triangles each.
@@ -360,5 +361,18 @@ proptest! {
         let (one, many) = (run(1), run(8));
         prop_assert_eq!(one.triangles, many.triangles);
         prop_assert!(one.points.iter().zip(many.points.iter()).all(|(a, b)| a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits)));
+    }
+}
+
+#[test]
+fn no_edge_waits_for_a_flip_in_the_end() {
+    let tubes = (3..9).flat_map(|around| [0.15, 0.22, 0.3].map(|length| (sheets::tube(around, 5), length)));
+    for (input, length) in tubes.chain([0.21, 0.3, 0.4].map(|length| (tee([2, 3, 2]), length))) {
+        let prepared = Prepared::new(input, lengths(length));
+        let baseline = prepared.baseline();
+        let mut mesh = SimMesh::new(&baseline);
+        remesh(&mut mesh, &prepared.options, MAX_FACES);
+        // The finish moves vertices of edges that were good before.
+        assert_eq!(flip_edges(&mut mesh, LAST_REGULARITY), 0, "at {length}");
     }
 }

@@ -108,7 +108,7 @@ impl SimMesh<'_> {
         let by_uv = || {
             let uv = from.uv.midpoint(to.uv);
             let faces = [from.location.face, to.location.face].into_iter();
-            let found = faces.filter(|_| self.baseline.holds_uvs).find_map(|f| self.baseline.locate_uv(f, uv))?;
+            let found = faces.filter(|_| self.baseline.has_uvs).find_map(|f| self.baseline.locate_uv(f, uv))?;
             Some((self.baseline.position(found), self.wedge_at(found)))
         };
         let is_safe = |m: &(Vec3, Wedge)| self.split_is_safe(half, m.0, &m.1);

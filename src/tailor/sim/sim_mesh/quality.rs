@@ -34,7 +34,7 @@ impl SimMesh<'_> {
     #[inline(always)]
     pub fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [TriangleCorner<'_>; 3]) -> Defect {
         // Where the layout is free at a corner, it is flipped, or the triangle has UVs of two shells.
-        if self.baseline.holds_uvs && pa.sense * pb.sense * pc.sense != 0.0 {
+        if self.baseline.has_uvs && pa.sense * pb.sense * pc.sense != 0.0 {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
             if u.perp_dot(v) * pa.sense <= 0.0 {
                 return Defect::Flipped;

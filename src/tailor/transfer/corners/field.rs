@@ -25,7 +25,7 @@ pub(super) struct FaceVaryingField<'a, T> {
 impl<'a, T: Real> FaceVaryingField<'a, T> {
     /// `source` holds the primvar's values.
     pub fn new(garment: &Mesh, primvar: &'a Primvar, baseline: &'a Baseline, source: &[T]) -> Self {
-        let own = primvar.corner_rows(&garment.faces, garment.points.len());
+        let own = primvar.joined_rows(&garment.faces, garment.points.len());
         let row = |c: CornerId| own[baseline.manifold.corner_source[c]] as usize;
         let rules = garment.rules;
         let cage = &baseline.manifold.level;

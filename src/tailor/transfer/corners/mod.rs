@@ -20,14 +20,15 @@ use tailor_mesh::subdivide::{Real, gathered};
 
 /// A face-varying primvar on the simulation mesh. It becomes a vertex primvar where that changes no value.
 ///
-/// The constraint UVs stay on corners: a later run needs a layout there.
+/// The primvar `uv_set` stays on corners: a later run needs a layout there.
 pub(super) fn carry(
     garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
-    uv_set: Option<&Primvar>,
+    uv_set: &str,
 ) -> (Primvar, Option<Warning>) {
-    if uv_set.is_some_and(|uv| uv.name == primvar.name) {
+    let is_uv_set = primvar.name == uv_set;
+    if is_uv_set && map.product.baseline.has_uvs {
         return (constraint_uvs(primvar, map), None);
     }
     let (carried, cut_off) = match &primvar.values {
@@ -40,7 +41,7 @@ pub(super) fn carry(
         }
     };
     let warning = (!cut_off.is_empty()).then(|| cut_off_warning(&cut_off, primvar, map));
-    (as_vertex(carried, &map.mesh.topology), warning)
+    (if is_uv_set { carried } else { as_vertex(carried, &map.mesh.topology) }, warning)
 }
 
 fn cut_off_warning(triangles: &[FaceId], primvar: &Primvar, map: &Correspondence<'_>) -> Warning {

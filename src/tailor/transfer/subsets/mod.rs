@@ -103,7 +103,7 @@ pub(super) fn carry_all(
         };
         subsets.push(Subset { elements, ..source });
     }
-    subsets.extend(named::constraint_sets(garment, map.product, options));
+    subsets.extend(named::constraint_sets(garment, map.product));
     let families = families(garment, &subsets);
     (CarriedSubsets { subsets, families, curves, islands }, warnings)
 }

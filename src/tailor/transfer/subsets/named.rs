@@ -1,6 +1,6 @@
 //! Subsets that name creases and corners of the garment, and the constraints of the simulation mesh.
 
-use crate::sim::{Chain, SimOptions, SimProduct};
+use crate::sim::{Chain, SimProduct};
 use crate::transfer::topology::edge_key;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_mesh::connectivity::VertexId;
@@ -34,9 +34,9 @@ pub(super) fn sharp_sets(garment: &Mesh) -> Vec<Subset> {
 }
 
 /// The borders and seams of the simulation mesh as edge subsets.
-pub(super) fn constraint_sets(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> Vec<Subset> {
+pub(super) fn constraint_sets(garment: &Mesh, product: &SimProduct) -> Vec<Subset> {
     let borders = constrained_edges(product, |chain| chain.kind.border);
-    let seams = constrained_edges(product, |chain| options.constrain_uv_seams && chain.kind.seam);
+    let seams = constrained_edges(product, |chain| chain.kind.seam);
     let sets = [("tailorBorders", borders), ("tailorSeams", seams)].into_iter().filter(|(_, edges)| !edges.is_empty());
     let set = |(name, edges)| Subset {
         name: free_name(name, |name| garment.subset(name).is_some()),

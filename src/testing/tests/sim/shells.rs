@@ -1,9 +1,10 @@
 //! UV shells that are smaller than triangles of the target length.
 
 use super::{MAX_FACES, baseline, prepare};
+use crate::built::build;
 use tailor::sim::{SimProduct, simulate};
 use tailor_mesh::connectivity::{CornerId, VertexId};
-use tailor_mesh::garment::Garment;
+use tailor_mesh::garment::{Garment, Primvar};
 use tailor_testing::sheets;
 
 /// A sheet with a shell of its own for each face that `is_alone`, far from the others in UV.
@@ -77,4 +78,24 @@ fn triangles_across_released_seams_have_the_uvs_of_one_shell() {
     }
     let away = |i: usize| free.places[CornerId::new(3 * i)].uv.x > 50.0;
     assert!((0..free.triangles.len()).any(away) && !(0..free.triangles.len()).all(away), "both kinds are there");
+}
+
+#[test]
+fn indices_that_split_equal_uvs_are_no_seams() {
+    // Two panels, and indices that each corner has for itself.
+    let panels = || sheet(8, |face| face % 8 >= 4 && face < 8);
+    let mut split = panels();
+    let uvs = split.primvars.iter_mut().find(|p| p.name == "st").expect("UVs");
+    uvs.indices = Some((0..4 * 64).collect());
+    let options = ["sim.maxEdgeLength=0.5", "sim.smallestShell=0"];
+    let [joined, split] = [panels(), split].map(|input| build(input, &options));
+    let seams = |product: SimProduct| product.baseline.chains.iter().filter(|chain| chain.kind.seam).count();
+    assert_eq!(seams(split.product()), seams(joined.product()));
+    assert!(seams(split.product()) > 0, "values that differ are cut");
+    let [own, whole] = [&split, &joined].map(|built| &built.products.sim);
+    assert_eq!((&own.points, &own.faces, own.primvar("st")), (&whole.points, &whole.faces, whole.primvar("st")));
+    // OpenSubdiv refines indices, so each face of the input is a shell of the render mesh.
+    let rows = |built: &crate::built::Built| built.products.render.primvar("st").map_or(0, Primvar::rows);
+    assert_eq!(rows(&split), 64 * 25);
+    assert!(rows(&joined) < 33 * 33 + 100);
 }

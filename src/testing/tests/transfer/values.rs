@@ -96,6 +96,25 @@ fn further_uv_sets_keep_their_shells_and_turn_nothing_over() {
 }
 
 #[test]
+fn uvs_that_do_not_constrain_keep_their_shells_and_turn_nothing_over() {
+    for length in ["0.3", "0.45", "0.8"] {
+        let mut input = sheet(10, 8);
+        input.primvars.retain(|p| p.name != "st");
+        input = with_layout(input, "st", 10, |x, y| x / 5 + 2 * (y / 4));
+        let built = build(input, &["sim.constrainUvSeams=false", &format!("sim.maxEdgeLength={length}")]);
+        assert!(built.warnings.is_empty(), "{:?}", built.warnings);
+        assert!(built.product().baseline.chains.iter().all(|chain| chain.kind.border), "no seam is a constraint");
+        let own = shells(&built.products.sim, "st");
+        assert_eq!(own.len(), 4, "at {length}: {own:?}");
+        assert!(own.iter().all(|&(up, down)| up == 0 || down == 0), "turned over at {length}: {own:?}");
+        assert!(built.products.cloth.as_ref().expect("cloth").rest.is_none(), "it rests as modelled");
+    }
+    // A layout of one shell stays on corners too, where a later run looks for it.
+    let whole = build(sheet(4, 4), &["sim.constrainUvSeams=false"]).products.sim;
+    assert_eq!(whole.primvar("st").map(|st| st.interpolation), Some(Interpolation::FaceVarying));
+}
+
+#[test]
 fn continuous_corner_values_move_to_vertices_and_cut_ones_stay() {
     let mut input = sheet(12, 12);
     let (corners, points) = (input.face_vertex_indices.clone(), input.points.clone());

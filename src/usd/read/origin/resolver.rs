@@ -19,6 +19,11 @@ const TEXT: &[u8] = b"#usda";
 /// Levels of braces in a text. Reading takes memory that grows with the square of the levels of prims.
 const MAX_LEVELS: usize = 1000;
 
+/// Kinds of values in a crate, and the mark of a list of them.
+const STRING: u8 = 10;
+const ASSET: u8 = 12;
+const ARRAY: u8 = 0x80;
+
 /// The separator of a layer's path and its arguments.
 pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
@@ -33,7 +38,7 @@ pub fn is_text(bytes: &[u8]) -> bool {
 /// A text of too many levels, with what OpenUSD refuses, or with letters beyond ASCII that cannot be parsed.
 pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     if !is_text(&bytes) {
-        return Ok(bytes);
+        return Ok(with_empty_lists(bytes));
     }
     check_levels(&bytes)?;
     match readable(&bytes) {
@@ -44,6 +49,23 @@ pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         Readable { text: Cow::Owned(text), .. } => Ok(text),
         Readable { text: Cow::Borrowed(_), .. } => Ok(bytes),
     }
+}
+
+/// A crate with a place for the empty lists of texts in its dictionaries.
+///
+/// A value in a dictionary is the number of bytes up to its reference, and this reference: a kind and a place. OpenUSD gives an
+/// empty list the place 0, where the library reads the first bytes of the file as its length. As numbers, these 16 bytes are 8 and
+/// one that no garment has.
+fn with_empty_lists(mut bytes: Vec<u8>) -> Vec<u8> {
+    let is_empty_list = |at: &[u8]| at[0] == 8 && at[1..14] == [0; 13] && matches!(at[14..], [STRING | ASSET, ARRAY]);
+    let found: Vec<usize> =
+        (8..bytes.len().saturating_sub(7)).filter(|&at| is_empty_list(&bytes[at - 8..at + 8])).collect();
+    let length_of_none = (bytes.len() as u64).to_le_bytes();
+    found.iter().for_each(|&at| bytes[at..at + 6].copy_from_slice(&length_of_none[..6]));
+    if !found.is_empty() {
+        bytes.extend([0; 8]);
+    }
+    bytes
 }
 
 /// Finds files where OpenUSD finds them, and opens regular files only.

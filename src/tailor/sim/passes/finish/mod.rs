@@ -1,10 +1,11 @@
-//! The last passes, after the rounds: they move vertices and flip edges at thin triangles, beside chains and in tight turns.
+//! The last passes, after the rounds: they move vertices of thin triangles and of chains, and turn triangles in tight turns.
 
 mod follow;
 mod polish;
 mod turn;
 
 pub use follow::follow_curves;
+pub use turn::turn_to_surface;
 
 use crate::sim::sim_mesh::SimMesh;
 
@@ -12,5 +13,4 @@ use crate::sim::sim_mesh::SimMesh;
 pub fn finish(mesh: &mut SimMesh<'_>) {
     polish::open_thin_triangles(mesh);
     follow_curves(mesh);
-    turn::turn_to_surface(mesh);
 }

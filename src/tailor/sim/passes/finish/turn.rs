@@ -25,7 +25,7 @@ const SLIDES: [f32; 6] = [-0.2, 0.2, -0.4, 0.4, -0.7, 0.7];
 
 /// Edits the mesh where triangles face away, in the order of their ids, so that the result is the same for any number of
 /// threads.
-pub(super) fn turn_to_surface(mesh: &mut SimMesh<'_>) {
+pub fn turn_to_surface(mesh: &mut SimMesh<'_>) {
     let faces = (0..mesh.topology.face_slots()).into_par_iter().map(FaceId::new);
     let away: Vec<FaceId> = faces.filter(|&f| is_away(mesh, f)).collect();
     let remaining: Vec<FaceId> = away.into_iter().filter(|&f| !flip_at(mesh, f)).collect();
