@@ -336,6 +336,8 @@ impl Operator for Fold {
         let request = LineRequest {
             topology: t,
             points: &garment.points,
+            // The line of a hem is near the border, where a line that is nearer still makes its layer cross itself.
+            on_surface: &garment.points,
             marked,
             distance: IdVec::filled(SUPPORT_DISTANCE * self.options.thickness, t.faces.corners().len()),
             tapers: IdVec::filled(false, t.vertex_count()),

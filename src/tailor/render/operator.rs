@@ -140,6 +140,11 @@ impl OperatorInput<'_> {
         Elements::Edges(inputs.collect::<BTreeSet<_>>().into_iter().collect())
     }
 
+    /// The vertices on the surface, along which distances are measured. The cage is beside it where faces are uneven.
+    pub fn on_surface(&self) -> IdVec<VertexId, Vec3> {
+        carried_points(&&self.level.limit_rows(), &self.garment.points)
+    }
+
     /// The connectivity of the cage.
     pub fn topology(&self) -> &Topology {
         &self.level.topology

@@ -209,6 +209,7 @@ impl Operator for Seams {
         let request = LineRequest {
             topology: t,
             points: &cage.garment.points,
+            on_surface: &cage.on_surface(),
             marked: network.seam.iter().map(Option::is_some).collect(),
             distance: self.distances(cage, &network),
             tapers: network.tapers.clone(),

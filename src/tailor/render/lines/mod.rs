@@ -38,6 +38,8 @@ pub struct LineRequest<'a> {
     pub topology: &'a Topology,
     /// The positions of its vertices.
     pub points: &'a IdVec<VertexId, Vec3>,
+    /// Their places on the surface, between which distances are measured.
+    pub on_surface: &'a IdVec<VertexId, Vec3>,
     /// True for edges that get lines.
     pub marked: IdVec<EdgeId, bool>,
     /// For each half-edge of a marked edge, the distance that `shares` scale. \[mesh units\]

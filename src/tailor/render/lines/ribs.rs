@@ -13,6 +13,9 @@ use tailor_mesh::connectivity::{CornerId, EdgeId, IdVec, Topology, VertexId};
 pub const MAX_EDGE_SHARE: f32 = 0.9;
 /// Share of an edge that lines from both ends may use together.
 pub const MAX_SHARED_SHARE: f32 = 0.9;
+/// The most by which an edge may be longer on the surface than on the cage. Where it is longer still, the cage is folded, and
+/// what its lines need is between the vertices of the cage.
+const MOST_STRETCHED: f32 = 1.25;
 /// Share of the edges of a triangle that a mitre may use, so that three mitres stay apart.
 const MAX_TRIANGLE_SHARE: f32 = 0.28;
 /// Largest step of the kept line in a narrow face, which leaves space for the support loop outside.
@@ -117,7 +120,8 @@ impl Ribs {
         let outer = request.shares.last().copied().unwrap_or(1.0);
         for (edge, &ends) in wanted.enumerated().filter(|(_, w)| w[0] || w[1]) {
             let vertices = t.edges[edge];
-            let length = request.points[vertices[0]].distance(request.points[vertices[1]]);
+            let lengths = [request.points, request.on_surface].map(|at| at[vertices[0]].distance(at[vertices[1]]));
+            let length = lengths[1].min(MOST_STRETCHED * lengths[0]).max(lengths[0]);
             let reach = [0, 1].map(|i| ends[i].then(|| spoke_reach(request, edge, vertices[i])).flatten());
             let asked = [0, 1]
                 .map(|i| reach[i].map_or(0.0, |(reach, _)| share_of(outer * shares[vertices[i]] * reach, length)));

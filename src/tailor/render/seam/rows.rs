@@ -17,7 +17,6 @@ use std::sync::Arc;
 use tailor_mesh::connectivity::{EdgeId, FaceId, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Mesh, Orientation, Subset};
-use tailor_mesh::subdivide::carried_points;
 
 /// Lines of a row.
 const LINES: usize = 2 * SHARES.len() + 1;
@@ -333,9 +332,7 @@ impl Operator for Rows {
         crate::render::refuse_loop(cage, &self.label())?;
         let (t, ladder) = (cage.topology(), Ladder::new(self.options()));
         let is_left_handed = cage.garment.orientation == Orientation::LeftHanded;
-        // The surface is beside the cage where its faces are uneven, and distances are those on the surface.
-        let points = carried_points(&&cage.level.limit_rows(), &cage.garment.points);
-        let surface = Surface { topology: t, points: &points, is_left_handed };
+        let surface = Surface { topology: t, points: &cage.on_surface(), is_left_handed };
         let (network, chains) = self.chains(cage, self.number, None);
         let distances = [0, 1].map(|side| ladder.lines(side));
         let furthest = distances.iter().flatten().fold(0.0, |most: f32, &line| most.max(line));
