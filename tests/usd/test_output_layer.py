@@ -46,6 +46,20 @@ def test_validators_find_nothing_new(garment, built, args, suffix):
     assert [error for error in validation_errors(product.stage) if as_of_the_model(error) not in before] == []
 
 
+def test_sets_of_expressions_are_in_families_of_one_kind(build, tmp_path):
+    """A family with faces and edges is none, for OpenUSD."""
+    source = write(tmp_path / "in.usda")
+    options = ["seam.edge.edges=borders", "fold.hem.faces=faces", "render.level=1", "sim.constraints=uvSeams"]
+    product = build(source, "--sets", "all", *(word for option in options for word in ("--set", option)))
+    kinds = {}
+    for name in ("sim", "render"):
+        for subset in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(product.prim(name))):
+            kinds.setdefault((name, subset.GetFamilyNameAttr().Get()), set()).add(subset.GetElementTypeAttr().Get())
+    assert all(len(kinds_of_one) == 1 for kinds_of_one in kinds.values()), kinds
+    assert {kind for of_one in kinds.values() for kind in of_one} >= {"face", "edge"}
+    assert validation_errors(product.stage) == []
+
+
 @pytest.mark.parametrize("name", ["sim", "render"])
 def test_subset_families_are_valid(product, name):
     before = family_faults(product.source.prim)

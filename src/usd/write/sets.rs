@@ -48,8 +48,10 @@ impl Author<'_> {
         }
         self.schemas(&path, &record.applied, false);
         self.token(&path, names::ELEMENT_TYPE, subset.elements.kind())?;
-        if !subset.family.is_empty() {
-            self.token(&path, names::FAMILY_NAME, &subset.family)?;
+        if !subset.family.is_empty() && (subset.family != DERIVED || !subset.elements.is_empty()) {
+            // The sets of a family are of one kind of elements, and have some.
+            let of_kind = format!("{DERIVED}_{}", subset.elements.kind());
+            self.token(&path, names::FAMILY_NAME, if subset.family == DERIVED { &of_kind } else { &subset.family })?;
         }
         self.ints(&path, names::INDICES, subset.elements.indices())?;
         for record in &record.carried {
@@ -74,8 +76,7 @@ impl Author<'_> {
 
     /// Whether a subset has a material of its own.
     fn is_bound(&self, set: &Subset) -> bool {
-        let record = self.model.subsets.get(&set.name);
-        record.is_some_and(|record| record.carried.iter().any(|record| is_material(&record.name)))
+        self.model.subsets.get(&set.name).is_some_and(|set| set.carried.iter().any(|record| is_material(&record.name)))
     }
 
     /// The faces of a product that its own material is for, where face sets have others: those in none of these. None where the
