@@ -152,9 +152,12 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     }
     let baseline = clock.run("baseline", || Ok(baseline(garment, sim)))?;
     if options.relax == Relaxation::Uv && !baseline.has_uvs {
-        let fault = format!("uv needs panels: {} has no UV set, or sim.constrainUvSeams is false", garment.prim);
-        let remedy = "name a UV set in sim.uvSet, or set sim.relax to surface";
-        return Err(Error::recipe("sim.relax", fault).remedy(remedy));
+        let (fault, remedy) = match options.constrain_uv_seams {
+            true => (format!("{} has no UV set", garment.prim), "name a UV set in sim.uvSet"),
+            false => ("sim.constrainUvSeams is false".to_owned(), "set sim.constrainUvSeams to true"),
+        };
+        let fault = Error::recipe("sim.relax", format!("uv needs panels, and {fault}"));
+        return Err(fault.remedy(format!("{remedy}, or set sim.relax to surface")));
     }
     let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.min(most_faces(&baseline));

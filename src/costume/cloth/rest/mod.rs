@@ -82,10 +82,12 @@ pub fn rest(
     let cage = match (wanted, cage) {
         (RestShape::Mesh, _) | (RestShape::Auto, None) => return Ok((None, None)),
         (RestShape::Panels, None) => {
-            let fault = format!("{} has no UV set \"{uv_set}\", or sim.constrainUvSeams is false", garment.prim);
-            return Err(Error::recipe("cloth.rest", fault)
-                .code(codes::UNUSABLE_PANELS)
-                .remedy("name its UV set in sim.uvSet, or rest on the mesh"));
+            let (fault, remedy) = match garment.primvar(uv_set) {
+                Some(_) => ("sim.constrainUvSeams is false".to_owned(), "set sim.constrainUvSeams to true"),
+                None => (format!("{} has no UV set \"{uv_set}\"", garment.prim), "name its UV set in sim.uvSet"),
+            };
+            let fault = Error::recipe("cloth.rest", fault).code(codes::UNUSABLE_PANELS);
+            return Err(fault.remedy(format!("{remedy}, or rest on the mesh")));
         }
         (_, Some(cage)) => cage,
     };

@@ -135,10 +135,11 @@ fn relaxation_in_uvs_brings_vertices_to_centroids_there() {
 
 #[test]
 fn relaxation_in_uvs_needs_some() {
-    for without in ["sim.uvSet=", "sim.constrainUvSeams=false"] {
+    for (without, why) in [("sim.uvSet=", "no UV set"), ("sim.constrainUvSeams=false", "sim.constrainUvSeams to true")]
+    {
         let prepared = prepare(sheets::grid(4, 4, |_, _| true), &["sim.relax=uv", without]);
         let error = Builder::new(sheets::grid(4, 4, |_, _| true)).and_then(|mut b| b.update(&prepared.recipe)).err();
         let told = error.expect("an error").to_string();
-        assert!(told.contains("sim.relax") && told.contains("no UV set"), "{told}");
+        assert!(told.contains("sim.relax") && told.contains(why), "{told}");
     }
 }
