@@ -117,55 +117,6 @@ impl<'a> ChildBuilder<'a> {
 }
 
 impl OperatorDerivation {
-    /// A child that is the parent itself.
-    pub fn unchanged(parent: &Topology) -> Self {
-        let mut builder = ChildBuilder::new(parent);
-        parent.faces.ids().for_each(|face| _ = builder.face(face, parent.faces.vertices_of(face)));
-        parent.edges.enumerated().for_each(|(edge, &ends)| builder.edge(edge, ends));
-        builder.finish()
-    }
-
-    /// The derivation of a child of this one's child from the parent of this one.
-    pub fn then(&self, next: &Self) -> Self {
-        let mut vertices = Table::default();
-        let mut sum: Vec<(VertexId, f32)> = Vec::new();
-        for row in 0..next.vertices.len() {
-            sum.clear();
-            for &(vertex, weight) in next.vertices.at(row) {
-                for &(source, part) in self.vertices.at(vertex.index()) {
-                    match sum.iter_mut().find(|(known, _)| *known == source) {
-                        Some((_, known)) => *known += weight * part,
-                        None => sum.push((source, weight * part)),
-                    }
-                }
-            }
-            vertices.push(sum.iter().copied());
-        }
-        let parent_face: Vec<FaceId> = next.parent_face.iter().map(|face| self.parent_face[face.index()]).collect();
-        let children = parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
-        let steps = self.parent.edges.ids().flat_map(|edge| self.edges.row(edge).iter().map(move |&step| (edge, step)));
-        let edges = steps.flat_map(|(edge, step)| next.path(step).into_iter().map(move |part| (edge, part)));
-        Self {
-            children: Csr::group(self.parent.faces.len(), children, FaceId::new(0)),
-            edges: Csr::group(self.parent.edges.len(), edges, [VertexId::new(0); 2]),
-            parent: self.parent.clone(),
-            faces: next.faces.clone(),
-            parent_face,
-            vertices,
-        }
-    }
-
-    /// The children of the parent edge between two vertices, from the first to the second.
-    pub fn path(&self, [from, to]: [VertexId; 2]) -> Vec<[VertexId; 2]> {
-        let Some(edge) = self.parent.find_edge(from, to) else { return Vec::new() };
-        let children = self.edges.row(edge).iter().copied();
-        if self.parent.edges[edge][0] == from {
-            children.collect()
-        } else {
-            children.rev().map(|[a, b]| [b, a]).collect()
-        }
-    }
-
     /// The weights of a child vertex as corners of a parent face, which has all its sources (see
     /// [`OperatorDerivation::check`]).
     fn at_corners<'a>(&'a self, vertex: VertexId, face: FaceId) -> impl Iterator<Item = (CornerId, f32)> + 'a {

@@ -20,32 +20,29 @@
 
 mod chains;
 mod creases;
-mod cut;
 mod heights;
 mod options;
-mod order;
 mod profile;
 mod reports;
-mod rings;
 mod room;
 mod rows;
 
+use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
 use crate::codes;
 use chains::Network;
 use creases::Creases;
-use cut::{Cut, Strand, cut};
+use heights::{Part, SeamLine};
 pub use options::{RowSide, SeamOptions};
 use reports::shallow_seam;
 use rows::Rows;
 use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use tailor_mesh::connectivity::{EdgeId, FaceId, IdVec, Topology, VertexId};
+use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, WarningCode, Warnings, counted};
-use tailor_mesh::garment::{Mesh, Subset};
-use tailor_mesh::subdivide::Derivation;
+use tailor_mesh::garment::{Mesh, Orientation, Subset};
 
 impl OperatorOptions for SeamOptions {
     fn is_enabled(&self) -> bool {
@@ -71,7 +68,7 @@ struct Seams {
 }
 
 impl Seams {
-    fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[(usize, VertexId, f32)]) -> Warnings {
+    fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[NarrowVertex]) -> Warnings {
         let mut warnings = Warnings::default();
         for (number, (name, _)) in self.seams.iter().enumerate() {
             let label = format!("seam.{name}");
@@ -88,10 +85,10 @@ impl Seams {
                 problem,
                 "Remove them from one of the two edge sets",
             ));
-            let here = || narrowed.iter().filter(|narrow| narrow.0 == number);
-            let narrow: BTreeSet<VertexId> = here().map(|narrow| narrow.1).collect();
+            let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
+            let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
-                let least = here().map(|narrow| narrow.2).fold(1.0, f32::min);
+                let least = here().map(|n| n.share).fold(1.0, f32::min);
                 let (at, left) = (counted(narrow.len(), "vertex", "vertices"), 100.0 * least);
                 let problem = format!("narrower than asked at {at}, down to {left:.0} % of width and height");
                 let points = cage.input_points(narrow);
@@ -104,41 +101,64 @@ impl Seams {
         warnings
     }
 
-    /// The controls, and what seams give each of them.
-    fn controls(t: &Topology, cut: &Cut) -> (Vec<Control>, Vec<Vec<Strand>>) {
-        let is_cut = |face: FaceId| {
-            let mut children = cut.derivation.child_faces(face);
-            let first = children.next().map_or(0, |child| cut.derivation.faces.valence(child));
-            children.next().is_some() || first != t.faces.valence(face)
-        };
-        let mut near = IdVec::filled(false, t.vertex_count());
-        let faces = t.faces.ids().filter(|&face| is_cut(face));
-        faces.flat_map(|face| t.faces.vertices_of(face)).for_each(|&v| near[v] = true);
+    /// The controls, and the part of the profile that each of them has.
+    fn controls(t: &Topology, network: &Network, lines: &Lines) -> (Vec<Control>, Vec<Option<Part>>) {
         // One ring more than the faces that are cut: its limit depends on the points that the fit moves.
-        let is_near = |v: &VertexId| t.faces_at(*v).any(|f| t.faces.vertices_of(f).iter().any(|&v| near[v]));
-        let on_cage = near.ids().filter(is_near);
-        let on_lines = (t.vertex_count()..cut.strands.len()).map(VertexId::new);
-        let control = |vertex: VertexId| {
-            let strands = cut.strands[vertex.index()].clone();
-            (Control { vertex, role: heights::role(vertex, t.vertex_count(), &strands) }, strands)
+        let near = |v: &VertexId| t.faces_at(*v).any(|f| t.faces.vertices_of(f).iter().any(|&v| lines.near[v]));
+        let on_cage = lines.near.ids().filter(near).map(|vertex| {
+            let seams = network.at(t, vertex);
+            let part = (!seams.is_empty()).then(|| Part::Centre { seams, share: lines.heights[vertex] });
+            let role = part.as_ref().map_or(ControlRole::Kept, Part::role);
+            (Control { vertex, role }, part)
+        });
+        let on_lines = lines.vertices.iter().filter_map(|line| {
+            let part = Self::line_part(t, network, line)?;
+            Some((Control { vertex: line.vertex, role: part.role() }, Some(part)))
+        });
+        on_cage.chain(on_lines).unzip()
+    }
+
+    fn line_part(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Part> {
+        let (seam, share) = (network.seam[vertex.mark]?, vertex.height);
+        let own = SeamLine { seam, line: vertex.line };
+        let Some(crossing) = vertex.crossing else {
+            return Some(match vertex.line {
+                Some(_) => Part::Line { strand: own, share },
+                None => Part::Centre { seams: vec![seam], share },
+            });
         };
-        on_cage.chain(on_lines).map(control).unzip()
+        let other = SeamLine { seam: network.seam[crossing.mark]?, line: Some(crossing.line) };
+        let first = network.junction_of(t, vertex.mark, crossing.mark).and_then(|seams| seams.first().copied());
+        let (through, other) =
+            if seam != other.seam && first == Some(other.seam) { (other, own) } else { (own, other) };
+        Some(Part::Crossing { through, other, share })
     }
 
     /// The faces within the width of each seam.
-    fn subsets(&self, cage: &OperatorInput, cut: &Cut) -> (Vec<Subset>, Warnings) {
+    fn subsets(&self, cage: &OperatorInput, network: &Network, lines: &Lines) -> (Vec<Subset>, Warnings) {
         if !cage.names_sets {
             return (Vec::new(), Warnings::default());
         }
-        let faces = &cut.derivation.faces;
-        let is_within = |seam: usize, vertex: &VertexId| {
-            cut.strands[vertex.index()].iter().any(|s| s.seam == seam && s.across <= 1.0 + 1e-3 && s.share > 0.0)
-        };
-        let of = |(seam, (name, _)): (usize, &(String, SeamOptions))| {
-            let within = faces.ids().filter(|&face| faces.vertices_of(face).iter().all(|v| is_within(seam, v)));
-            (format!("{name}_seam"), within.collect())
+        let width = profile::WIDTH_LINE;
+        let of = |(number, (name, _)): (usize, &(String, SeamOptions))| {
+            let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(number));
+            (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
         super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect())
+    }
+
+    /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
+    fn distances(&self, cage: &OperatorInput, network: &Network) -> IdVec<CornerId, f32> {
+        let t = &cage.level.topology;
+        let is_left_handed = cage.garment.orientation == Orientation::LeftHanded;
+        let distance = |corner: CornerId| {
+            let edge = t.corner_edge[corner];
+            let Some(seam) = network.seam[edge] else { return 0.0 };
+            // A right-handed face is to the left of its half-edges.
+            let is_left = (t.faces.vertex(corner) == network.start[edge]) != is_left_handed;
+            self.seams[seam].1.side_widths()[usize::from(!is_left)]
+        };
+        t.corner_edge.ids().map(distance).collect()
     }
 }
 
@@ -186,17 +206,31 @@ impl Operator for Seams {
         let edges = self.seams.iter().map(|(_, options)| options.edges_of(cage.garment)).collect::<Vec<_>>();
         let t = &cage.level.topology;
         let network = Network::new(t, &edges);
-        let cut = cut(self, cage, &network);
-        let (controls, parts) = Self::controls(t, &cut);
-        let mut warnings = self.warn(cage, &network, &cut.narrowed);
-        let (subsets, renamed) = self.subsets(cage, &cut);
+        let request = LineRequest {
+            topology: t,
+            points: &cage.garment.points,
+            on_surface: &cage.on_surface(),
+            marked: network.seam.iter().map(Option::is_some).collect(),
+            distance: self.distances(cage, &network),
+            tapers: network.tapers.clone(),
+            ends: IdVec::filled(false, t.vertex_count()),
+            taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.width)).collect(),
+            cuttable: IdVec::filled(true, t.faces.len()),
+            shares: &profile::LINES,
+            kept_line: profile::WIDTH_LINE,
+            is_even: true,
+        };
+        let lines = lines::insert(&request);
+        let (controls, parts) = Self::controls(t, &network, &lines);
+        let mut warnings = self.warn(cage, &network, &lines.narrowed);
+        let (subsets, renamed) = self.subsets(cage, &network, &lines);
         warnings.extend(renamed);
         let details = Arc::new(parts);
-        Ok(OperatorOutput { controls, details, subsets, warnings, ..OperatorOutput::new(cut.derivation, cage) })
+        Ok(OperatorOutput { controls, details, subsets, warnings, ..OperatorOutput::new(lines.builder.finish(), cage) })
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
-        parts(output).iter().map(|strands| self.height(strands).0).collect()
+        parts(output).iter().map(|part| part.as_ref().map_or(0.0, |part| self.height(part).0)).collect()
     }
 
     fn intersections(&self, output: &OperatorOutput, faces: &[FaceId]) -> Warning {
@@ -209,7 +243,7 @@ impl Operator for Seams {
         let mut warnings = Warnings::default();
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
         for ((control, given), part) in output.controls.iter().zip(given).zip(parts(output)) {
-            let (asked, seam) = self.height(part);
+            let (asked, seam) = part.as_ref().map_or((0.0, 0), |part| self.height(part));
             if control.role == ControlRole::Crest && given.abs() < REPORTED * asked.abs() {
                 shallow.push((seam, control.vertex, given.abs() / asked.abs()));
             }
@@ -228,9 +262,9 @@ fn label(seams: &[(String, SeamOptions)]) -> String {
     names.join(", ")
 }
 
-/// What seams give each control.
-fn parts(output: &OperatorOutput) -> &[Vec<Strand>] {
-    output.details.downcast_ref::<Vec<Vec<Strand>>>().map_or(&[], Vec::as_slice)
+/// The part of the profile that each control has; none away from the lines of seams.
+fn parts(output: &OperatorOutput) -> &[Option<Part>] {
+    output.details.downcast_ref::<Vec<Option<Part>>>().map_or(&[], Vec::as_slice)
 }
 
 /// Indices of the seams at some faces, or else of the nearest ones by a search over rings of faces.
@@ -239,7 +273,7 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
     let mut near: BTreeSet<VertexId> = faces.iter().flat_map(|&f| all.vertices_of(f)).copied().collect();
     loop {
         let here = output.controls.iter().zip(parts(output)).filter(|(control, _)| near.contains(&control.vertex));
-        let found: BTreeSet<usize> = here.flat_map(|(_, strands)| strands).map(|strand| strand.seam).collect();
+        let found: BTreeSet<usize> = here.filter_map(|(_, part)| part.as_ref()).flat_map(Part::seams).collect();
         let touches = |f: &FaceId| all.vertices_of(*f).iter().any(|v| near.contains(v));
         let wider: BTreeSet<VertexId> = all.ids().filter(touches).flat_map(|f| all.vertices_of(f)).copied().collect();
         if !found.is_empty() || wider.len() == near.len() {
@@ -256,7 +290,7 @@ mod tests {
     use glam::Vec3;
     use tailor_mesh::connectivity::Elements;
     use tailor_mesh::connectivity::Faces;
-    use tailor_mesh::subdivide::Level;
+    use tailor_mesh::subdivide::{Derivation, Level};
 
     #[test]
     fn intersections_name_the_nearest_seam() {

@@ -81,11 +81,11 @@ fn chords(request: &ParallelRequest, crossings: &Crossings, face: FaceId, passag
     let t = request.topology();
     let around = around(request, crossings, face);
     let mut chords: Vec<Chord> = Vec::new();
-    for line in 0..request.line_count() {
+    for line in 0..request.distances[0].len() {
         for [a, b] in ends(request, &around, face, line) {
             let (from, to) = (around[a], around[b]);
             let (Some(foot), Some(other)) = (from.foot, to.foot) else { continue };
-            if !request.is_closed && from.share.max(to.share) <= 0.0 {
+            if from.share.max(to.share) <= 0.0 {
                 continue;
             }
             let along = if foot.chain == other.chain { [foot.along, other.along] } else { [foot.along; 2] };
@@ -125,7 +125,7 @@ fn around(request: &ParallelRequest, crossings: &Crossings, face: FaceId) -> Vec
             Around {
                 point,
                 line: through.map(|(line, ..)| *line),
-                foot: through.map(|(_, foot, _)| *foot).or_else(|| request.field.around_vertex(vertex)),
+                foot: through.map(|(_, foot, _)| *foot).or(request.field.off_chains(vertex)),
                 share: through.map_or(0.0, |(.., share)| *share),
                 place: corner_place(corner - 1),
             }
@@ -150,20 +150,18 @@ fn ends(request: &ParallelRequest, around: &[Around], face: FaceId, line: usize)
         // A line that touches a corner from outside does not lead through the face.
         on.retain(|&i| matches!(around[i].point, Point::Crossing(..)));
     }
-    if let [a, b] = *on.as_slice() {
-        return vec![[a, b]];
+    match *on.as_slice() {
+        [a, b] => vec![[a, b]],
+        [a, b, c, d] => {
+            // Two pieces: the middle of the face is between them, on its side of the line.
+            let is_over = |foot: Option<Foot>| foot.is_none_or(|foot| request.over(line, &foot) > 0.0);
+            let between = &around[a + 1..b];
+            let is_low = between.iter().any(|p| p.line != Some(line) && !is_over(p.foot));
+            let is_apart = is_low == is_over(request.field.at_centre(face));
+            if is_apart { vec![[a, b], [c, d]] } else { vec![[b, c], [a, d]] }
+        }
+        _ => Vec::new(),
     }
-    if on.len() % 2 == 1 || on.is_empty() {
-        return Vec::new();
-    }
-    // Several pieces: the middle of the face is between them, on its side of the line.
-    let is_over = |foot: Option<Foot>| foot.is_none_or(|foot| request.over(line, &foot) > 0.0);
-    let between = &around[on[0] + 1..on[1]];
-    let is_low = between.iter().any(|p| p.line != Some(line) && !is_over(p.foot));
-    if is_low != is_over(request.field.at_centre(face)) {
-        on.rotate_left(1);
-    }
-    on.chunks(2).map(|pair| [pair[0].min(pair[1]), pair[0].max(pair[1])]).collect()
 }
 
 /// Where a line is beside the middle of its chord, and whether it is far enough from there for a bend.
@@ -175,13 +173,8 @@ fn bend(request: &ParallelRequest, face: FaceId, passage: Passage, [from, to]: [
     };
     let middle = 0.5 * (from + to);
     let over = |p: Vec2| request.field.within(face, place(p)).map(|foot| request.over(passage.line, &foot));
-    // The chord is straight in space, where the middle of its coordinates may be beside it.
-    let straight = 0.5 * (place(from) + place(to));
-    let Some(off) = request.field.within(face, straight).map(|foot| request.over(passage.line, &foot)) else {
-        return (middle, false);
-    };
     let Some(start) = over(middle) else { return (middle, false) };
-    let lines = &request.distances[passage.chain][passage.side];
+    let lines = &request.distances[passage.side];
     let step = lines.windows(2).map(|pair| pair[1] - pair[0]).fold(f32::INFINITY, f32::min);
     let across = (to - from).perp().normalize_or_zero();
     let is_within = |p: Vec2| p.cmpge(Vec2::splat(RIM)).all() && p.cmple(Vec2::splat(1.0 - RIM)).all();
@@ -203,5 +196,5 @@ fn bend(request: &ParallelRequest, face: FaceId, passage: Passage, [from, to]: [
             best = Some(found);
         }
     }
-    best.map_or((middle, false), |at| (at, off.abs() > BENT * step))
+    best.map_or((middle, false), |at| (at, start.abs() > BENT * step))
 }

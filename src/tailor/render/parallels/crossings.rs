@@ -1,7 +1,7 @@
 //! Where lines cross edges, and which vertices they lead through.
 
 use super::waves::{Foot, Wave};
-use super::{Fade, LinePlace, ParallelRequest};
+use super::{LinePlace, ParallelRequest};
 use std::collections::BTreeMap;
 use tailor_mesh::connectivity::{EdgeId, VertexId};
 
@@ -19,8 +19,6 @@ pub struct Crossing {
     pub at: f32,
     /// The place on the chain.
     pub foot: Foot,
-    /// Distance of the line, where there is room. \[mesh units\]
-    pub distance: f32,
     /// Share of the height.
     pub share: f32,
 }
@@ -28,8 +26,8 @@ pub struct Crossing {
 impl Crossing {
     /// Its place among the lines.
     pub fn place(&self) -> LinePlace {
-        let Foot { chain, side, .. } = self.foot;
-        LinePlace { line: Some(self.line), chain, side, distance: self.distance, share: self.share }
+        let Foot { side, distance, .. } = self.foot;
+        LinePlace { line: Some(self.line), side, distance, share: self.share }
     }
 }
 
@@ -76,7 +74,7 @@ impl Crossings {
         let through = |v: Option<VertexId>| v.and_then(|v| self.through.get(&v)).map(|(line, ..)| *line);
         let [at_first, at_last] = [first, last].map(|sample| through(sample.2));
         let mut found: Vec<Crossing> = Vec::new();
-        for line in 0..request.line_count() {
+        for line in 0..request.distances[0].len() {
             let over = |sample: &Sample| request.over(line, &sample.1);
             if at_first == Some(line) || at_last == Some(line) || (over(first) > 0.0) == (over(last) > 0.0) {
                 continue;
@@ -93,8 +91,7 @@ impl Crossings {
                     None => block.field.around_middle(edge),
                 })
             });
-            let distance = request.distances[foot.chain][foot.side][line];
-            found.push(Crossing { line, at, foot, distance, share: ends[0] + part * (ends[1] - ends[0]) });
+            found.push(Crossing { line, at, foot, share: ends[0] + part * (ends[1] - ends[0]) });
         }
         found.sort_by(|x, y| x.at.total_cmp(&y.at));
         found
@@ -114,45 +111,33 @@ fn between(a: &Foot, b: &Foot, part: f32) -> Foot {
 impl ParallelRequest<'_> {
     /// How far a place is beyond a line.
     pub fn over(&self, line: usize, foot: &Foot) -> f32 {
-        foot.distance - self.room.share(foot) * self.distances[foot.chain][foot.side][line]
+        foot.distance - self.distances[foot.side][line]
     }
 
     /// The line that leads through a vertex.
     fn line_at(&self, foot: &Foot) -> Option<usize> {
-        let lines = &self.distances[foot.chain][foot.side];
-        let distance = foot.distance / self.room.share(foot);
-        let next = lines.partition_point(|&line| line < distance);
+        let lines = &self.distances[foot.side];
+        let next = lines.partition_point(|&line| line < foot.distance);
         let candidates = [next.checked_sub(1), (next < lines.len()).then_some(next)].into_iter().flatten();
-        let off = |line: usize| (lines[line] - distance).abs();
+        let off = |line: usize| (lines[line] - foot.distance).abs();
         let nearest = candidates.min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
         let below = nearest.checked_sub(1).map_or(lines[nearest], |line| lines[nearest] - lines[line]);
         let above = lines.get(nearest + 1).map_or(below, |line| line - lines[nearest]);
         (off(nearest) < SNAP * below.min(above)).then_some(nearest)
     }
 
-    /// The share of the height on a place of a chain.
-    pub fn share_on(&self, chain: usize, along: f32) -> f32 {
-        self.room.share_at(chain, along).min(self.faded(chain, along, true)).max(0.0)
-    }
-
-    /// The share of the height that fades leave beside a place of a chain; none around its ends.
-    fn faded(&self, chain: usize, along: f32, is_round: bool) -> f32 {
-        let length = self.field.lengths()[chain];
-        let mut share: f32 = 1.0;
-        for (fade, left) in self.chains[chain].fades.into_iter().zip([along, length - along]) {
-            if let Some(Fade { flat, rise }) = fade {
-                let is_around = is_round && left <= 1e-4 * length;
-                let rise = rise.min(length / 3.0).max(f32::MIN_POSITIVE);
-                share = share.min(if is_around { 0.0 } else { (left - flat) / rise });
-            }
-        }
-        share
-    }
-
     /// The share of the height beside a place of a chain: less near an end that fades, and near blocks.
     pub fn share(&self, foot: &Foot, at: impl Fn(&super::Block) -> Option<Foot>) -> f32 {
-        let is_round = matches!(foot.wave, Wave::Circle(_));
-        let mut share = self.room.share(foot).min(self.faded(foot.chain, foot.along, is_round));
+        let length = self.field.lengths()[foot.chain];
+        let chain = &self.chains[foot.chain];
+        let fading = self.fading.min(length / 3.0).max(f32::MIN_POSITIVE);
+        let mut share: f32 = 1.0;
+        for (fades, left) in chain.fades.into_iter().zip([foot.along, length - foot.along]) {
+            if fades {
+                let is_around = matches!(foot.wave, Wave::Circle(_)) && left <= 1e-4 * length;
+                share = share.min(if is_around { 0.0 } else { left / fading });
+            }
+        }
         for block in &self.blocks {
             let Some(other) = at(block) else { continue };
             let off = block.at[other.side].iter().map(|at| (other.distance - at).abs()).fold(f32::INFINITY, f32::min);

@@ -2,7 +2,6 @@
 
 use super::chords::{Chord, Point, ring};
 use super::crossings::Crossings;
-use super::waves::Foot;
 use super::{LinePlace, ParallelRequest, Parallels, Passage};
 use crate::render::child::ChildBuilder;
 use std::collections::{BTreeMap, BTreeSet};
@@ -111,9 +110,9 @@ impl Builder<'_, '_> {
         let weights = [(1.0 - at.x) * (1.0 - at.y), at.x * (1.0 - at.y), at.x * at.y, (1.0 - at.x) * at.y];
         let sources: Vec<(VertexId, f32)> = corners.iter().copied().zip(weights).collect();
         let vertex = self.builder.vertex(&sources);
-        let Passage { line, chain, side, .. } = chord.passage;
-        let distance = request.distances[chain][side][line];
-        self.vertices.push((vertex, LinePlace { line: Some(line), chain, side, distance, share: chord.share }));
+        let (line, side) = (chord.passage.line, chord.passage.side);
+        let distance = request.distances[side][line];
+        self.vertices.push((vertex, LinePlace { line: Some(line), side, distance, share: chord.share }));
         vertex
     }
 
@@ -135,10 +134,8 @@ impl Builder<'_, '_> {
                 Some(&(line, _, share)) => (Some(line), share),
                 None => (None, request.share(&foot, |block| block.field.around_vertex(vertex))),
             };
-            let Foot { chain, side, .. } = foot;
-            let free = || foot.distance / request.room.share(&foot);
-            let distance = line.map_or_else(free, |line| request.distances[chain][side][line]);
-            self.vertices.push((vertex, LinePlace { line, chain, side, distance, share }));
+            let distance = line.map_or(foot.distance, |line| request.distances[foot.side][line]);
+            self.vertices.push((vertex, LinePlace { line, side: foot.side, distance, share }));
         }
     }
 }

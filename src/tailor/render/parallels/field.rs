@@ -152,33 +152,6 @@ impl<'a> Field<'a> {
         best
     }
 
-    /// Visits neighbouring samples whose feet are on different chains or sides, or far apart on one, with the distance of their
-    /// meeting from the chains.
-    pub fn meetings(&self, mut visit: impl FnMut([&Foot; 2], f32)) {
-        for corner in self.surface.topology.faces.corners().ids() {
-            let [vertex, after, centre, before] = self.quarter(corner);
-            for pair in [[vertex, after], [after, centre], [centre, before]] {
-                let [Some(a), Some(b)] = pair.map(|sample| self.foot_in(sample, corner)) else { continue };
-                let step = self.place(pair[0]).distance(self.place(pair[1]));
-                let distance = 0.5 * (a.distance + b.distance + step);
-                let is_one = (a.chain, a.side) == (b.chain, b.side) && (a.along - b.along).abs() <= 4.0 * distance;
-                if !is_one {
-                    visit([&a, &b], distance);
-                }
-            }
-        }
-    }
-
-    /// Visits the feet of samples at the border that are off the chains.
-    pub fn borders(&self, mut visit: impl FnMut(&Foot)) {
-        let t = self.surface.topology;
-        for edge in t.edges.ids().filter(|&edge| t.is_border(edge)) {
-            let samples = [t.edges[edge][0].index(), t.edges[edge][1].index(), self.middle(edge)];
-            let off_chains = samples.into_iter().filter(|&sample| !self.is_on_chain(sample));
-            off_chains.filter_map(|sample| self.feet[sample].as_ref()).for_each(&mut visit);
-        }
-    }
-
     fn middle(&self, edge: EdgeId) -> Sample {
         self.surface.topology.vertex_count() + edge.index()
     }
@@ -251,7 +224,7 @@ impl<'a> Field<'a> {
             true => (if vertex == span.start { from } else { to }, Wave::Circle(vertex)),
             false => (0.5 * (from + to), Wave::Plane),
         };
-        Some(Foot { distance: 0.0, side, chain: span.chain, along, place: self.place(sample), wave })
+        Some(Foot { distance: 0.0, side, chain: span.chain, along, wave })
     }
 
     /// The side of a chain on which the face of one of its half-edges is.

@@ -15,32 +15,20 @@ mod chords;
 mod crossings;
 mod faces;
 mod field;
-mod room;
 mod waves;
 
 use super::child::ChildBuilder;
 use crossings::Crossings;
 pub use field::{Field, Surface};
 use glam::Vec3;
-pub use room::Room;
 use tailor_mesh::connectivity::{EdgeId, FaceId, IdVec, Topology, VertexId};
 
 /// A path of edges.
-#[derive(Clone)]
 pub struct Chain {
     /// The edges in their order, each with the vertex where it starts.
     pub edges: Vec<(EdgeId, VertexId)>,
-    /// How lines fade at the start and at the end of the chain. They go on to the border elsewhere.
-    pub fades: [Option<Fade>; 2],
-}
-
-/// How lines fade at an end of a chain: they are flat up to a length from the end, and full over a further length.
-#[derive(Clone, Copy, Debug)]
-pub struct Fade {
-    /// The length without height. \[mesh units\]
-    pub flat: f32,
-    /// The length over which the height rises. \[mesh units\]
-    pub rise: f32,
+    /// Whether lines fade at the start and at the end of the chain. They go on to the border elsewhere.
+    pub fades: [bool; 2],
 }
 
 /// Places beside which lines fade: those where the distance from other chains is one of some distances.
@@ -59,13 +47,9 @@ pub struct ParallelRequest<'a> {
     pub field: Field<'a>,
     /// The chains.
     pub chains: &'a [Chain],
-    /// Ascending distances of the lines on the left and on the right of each chain, equally many. \[mesh units\]
-    pub distances: Vec<[Vec<f32>; 2]>,
-    /// The share of these distances that there is room for beside each place of the chains.
-    pub room: Room,
-    /// True if lines go on around the ends of chains where they are flat.
-    pub is_closed: bool,
-    /// The length over which lines fade beside blocks. \[mesh units\]
+    /// Ascending distances of the lines on the left and on the right of the chains, equally many. \[mesh units\]
+    pub distances: [Vec<f32>; 2],
+    /// The length over which lines fade. \[mesh units\]
     pub fading: f32,
     /// Where they fade.
     pub blocks: Vec<Block<'a>>,
@@ -76,13 +60,11 @@ pub struct ParallelRequest<'a> {
 pub struct LinePlace {
     /// Index of its line; none between lines.
     pub line: Option<usize>,
-    /// Index of the chain.
-    pub chain: usize,
     /// The side of the chain: 0 on its left, 1 on its right.
     pub side: usize,
-    /// Distance from the chain, where there is room. \[mesh units\]
+    /// Distance from the chain. \[mesh units\]
     pub distance: f32,
-    /// Share of the height: less than 1 where lines fade or lack room.
+    /// Share of the height: less than 1 where lines fade.
     pub share: f32,
 }
 
@@ -123,11 +105,6 @@ pub fn insert<'a>(request: &ParallelRequest<'a>) -> Parallels<'a> {
 impl<'a> ParallelRequest<'a> {
     fn topology(&self) -> &'a Topology {
         self.field.surface.topology
-    }
-
-    /// Number of lines on a side of a chain.
-    fn line_count(&self) -> usize {
-        self.distances.first().map_or(0, |sides| sides[0].len())
     }
 
     fn points(&self) -> &'a IdVec<VertexId, Vec3> {

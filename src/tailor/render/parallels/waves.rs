@@ -11,9 +11,6 @@ use tailor_mesh::connectivity::VertexId;
 /// Overhang by which a ray may miss the edge that it crosses, as a share of the edge.
 const OVERHANG: f32 = 1e-3;
 
-/// Distance of the feet of two points, as a share of that of the points, above which they are of two waves that meet.
-const APART: f32 = 1.2;
-
 /// The form of a wave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wave {
@@ -34,8 +31,6 @@ pub struct Foot {
     pub chain: usize,
     /// The place on the chain, as the length from its start. \[mesh units\]
     pub along: f32,
-    /// The position of that place.
-    pub place: Vec3,
     /// The form of the wave there.
     pub wave: Wave,
 }
@@ -45,7 +40,7 @@ pub fn over_edge(from: Foot, length: f32) -> Foot {
     Foot { distance: from.distance + length, ..from }
 }
 
-/// The foot of the point `c`, where the wave comes through the edge from `a` to `b`; none where two waves meet there.
+/// The foot of the point `c`, where the wave comes through the edge from `a` to `b`.
 pub fn over_triangle((a, at_a): (Vec3, Foot), (b, at_b): (Vec3, Foot), c: Vec3) -> Option<Foot> {
     let length = a.distance(b);
     let along = (b - a) / length;
@@ -62,9 +57,6 @@ pub fn over_triangle((a, at_a): (Vec3, Foot), (b, at_b): (Vec3, Foot), c: Vec3) 
             ((x - sx).hypot(y + sy), sx + (x - sx) * sy / (y + sy), Wave::Circle(v))
         }
         _ => {
-            if at_a.place.distance(at_b.place) > APART * length {
-                return None;
-            }
             let slope = (at_b.distance - at_a.distance) / length;
             let ahead = (1.0 - slope * slope).max(0.0).sqrt();
             if ahead <= 1e-3 {
@@ -78,12 +70,11 @@ pub fn over_triangle((a, at_a): (Vec3, Foot), (b, at_b): (Vec3, Foot), c: Vec3) 
     is_through.then(|| {
         let nearer = if share < 0.5 { at_a } else { at_b };
         let is_same = (at_a.chain, at_a.side) == (at_b.chain, at_b.side);
-        let share = share.clamp(0.0, 1.0);
-        let between = at_a.along + share * (at_b.along - at_a.along);
+        let between = at_a.along + share.clamp(0.0, 1.0) * (at_b.along - at_a.along);
         // The ends of a closed chain are in one place, and so are those of sides far from it.
         let is_near = (at_b.along - at_a.along).abs() <= 2.0 * length;
         let along = if is_same && is_near { between } else { nearer.along };
-        Foot { distance, along, place: at_a.place.lerp(at_b.place, share), wave, ..nearer }
+        Foot { distance, along, wave, ..nearer }
     })
 }
 
@@ -92,7 +83,7 @@ mod tests {
     use super::*;
 
     fn foot(distance: f32, wave: Wave) -> Foot {
-        Foot { distance, side: 0, chain: 0, along: 0.0, place: Vec3::ZERO, wave }
+        Foot { distance, side: 0, chain: 0, along: 0.0, wave }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A chain is a maximal path of edges of one seam through vertices where exactly two seam edges meet. Its direction
 //! gives a seam its left and right.
 
-use crate::render::parallels::{Chain, Fade};
+use crate::render::parallels::Chain;
 use tailor_mesh::connectivity::{EdgeId, IdVec, Topology, VertexId};
 
 /// The edges of all seams.
@@ -64,18 +64,6 @@ impl Network {
         seams
     }
 
-    /// The seams at a vertex, each with the number of its edges there.
-    pub fn counts_at(&self, t: &Topology, vertex: VertexId) -> Vec<(usize, usize)> {
-        let mut counts: Vec<(usize, usize)> = Vec::new();
-        for seam in self.seam_edges_at(t, vertex).filter_map(|edge| self.seam[edge]) {
-            match counts.iter_mut().find(|(known, _)| *known == seam) {
-                Some((_, count)) => *count += 1,
-                None => counts.push((seam, 1)),
-            }
-        }
-        counts
-    }
-
     /// The seams at the vertex that two edges share, in the order of [`Network::at`].
     pub fn junction_of(&self, t: &Topology, edge: EdgeId, other: EdgeId) -> Option<Vec<usize>> {
         let vertex = t.edges[edge].into_iter().find(|v| t.edges[other].contains(v))?;
@@ -134,7 +122,7 @@ impl Network {
     }
 
     /// The chains, each with its edges in its direction.
-    pub fn chains(&self, t: &Topology, fade: impl Fn(usize) -> Fade) -> Vec<Chain> {
+    pub fn chains(&self, t: &Topology) -> Vec<Chain> {
         let mut visited = IdVec::filled(false, t.edges.len());
         let mut chains = Vec::new();
         // A closed chain begins at any edge, once all others have begun at their first one.
@@ -149,8 +137,7 @@ impl Network {
                     next = self.neighbour(t, edge, self.head(edge));
                 }
                 let ends = [self.start[first], edges.last().map_or(self.start[first], |&(edge, _)| self.head(edge))];
-                let fade = fade(self.seam[first].unwrap_or(0));
-                chains.push(Chain { edges, fades: ends.map(|end| (!is_closed && self.tapers[end]).then_some(fade)) });
+                chains.push(Chain { edges, fades: ends.map(|end| !is_closed && self.tapers[end]) });
             }
         }
         chains

@@ -1,50 +1,101 @@
 //! The heights of seams: their profile across, and what becomes of it where seams meet.
 //!
-//! ```text
-//!         .--------.        The seam on top keeps its profile. A ridge takes up another one within its width, up to its own
-//!    ____/  on top  \____    crest; where grooves meet, the deeper one stays. A groove runs through a ridge below it, and a
-//!   /    below         \    ridge over a groove, with a slope from two thirds of the width to the outermost line.
-//! ```
+//! At a junction, the ridge of the seam that *goes through* keeps its height and width, and others end against it. A seam
+//! with two edges there goes through before one that ends there, and an earlier one before a later one. Grooves meet at
+//! their depths.
 
 use super::Seams;
-use super::cut::Strand;
-use super::profile::{LINES, OUTER};
+use super::profile::WIDTH_LINE;
 use crate::render::operator::ControlRole;
-use tailor_mesh::connectivity::VertexId;
 
-/// Distance from the edges, as a share of the width, below which a vertex is on them.
-const ON_EDGES: f32 = 1e-3;
+/// A line of a seam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeamLine {
+    /// Index of the seam.
+    pub seam: usize,
+    /// Index of the line, from 0 nearest to the edge; none on the edge itself.
+    pub line: Option<usize>,
+}
 
-impl Seams {
-    /// The height of the strands of a vertex, the lowest first, and the seam that defines it.
-    pub fn height(&self, strands: &[Strand]) -> (f32, usize) {
-        let (mut height, mut seam, mut most) = (0.0, strands.first().map_or(0, |strand| strand.seam), 0.0);
-        for strand in strands {
-            let options = &self.seams[strand.seam].1;
-            let (own, crest) = (options.height(strand.basis), options.crest());
-            if crest == 0.0 {
-                continue;
+/// The part of a seam's profile that a vertex has. `share` is the share of its height: 1, less near an end or where the seam
+/// is narrowed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Part {
+    /// On an edge of these seams.
+    Centre { seams: Vec<usize>, share: f32 },
+    /// On a line beside an edge.
+    Line { strand: SeamLine, share: f32 },
+    /// Where a line of the seam that goes through a junction crosses one that ends against it.
+    Crossing { through: SeamLine, other: SeamLine, share: f32 },
+}
+
+impl Part {
+    /// The role of a control with this part.
+    pub fn role(&self) -> ControlRole {
+        match self {
+            Self::Centre { .. } => ControlRole::Crest,
+            Self::Crossing { through, other, .. } if through.line.is_none() || other.line.is_none() => {
+                ControlRole::Crest
             }
-            let part = strand.share.min(1.0) * ((OUTER - strand.across) / (OUTER - LINES[1])).clamp(0.0, 1.0);
-            height = if height * crest > 0.0 {
-                let under = if crest > 0.0 { height + part * (height.min(crest) - height) } else { height };
-                if own * crest > 0.0 && own.abs() > under.abs() { own } else { under }
-            } else {
-                own + (1.0 - part) * height
-            };
-            if own.abs() >= most {
-                (seam, most) = (strand.seam, own.abs());
-            }
+            _ => ControlRole::Raised,
         }
-        (height, seam)
+    }
+
+    /// Indices of its seams.
+    pub fn seams(&self) -> Vec<usize> {
+        match self {
+            Self::Centre { seams, .. } => seams.clone(),
+            Self::Line { strand, .. } => vec![strand.seam],
+            Self::Crossing { through, other, .. } => vec![through.seam, other.seam],
+        }
     }
 }
 
-/// The role of a vertex with some strands.
-pub fn role(vertex: VertexId, parents: usize, strands: &[Strand]) -> ControlRole {
-    match strands.iter().map(|strand| strand.across).fold(f32::INFINITY, f32::min) {
-        across if across < ON_EDGES => ControlRole::Crest,
-        across if vertex.index() < parents && across >= 1.0 => ControlRole::Kept,
-        _ => ControlRole::Raised,
+impl Seams {
+    /// The height of a part, and the seam that defines it.
+    pub fn height(&self, part: &Part) -> (f32, usize) {
+        let own = |strand: SeamLine| (self.profile(strand), strand.seam);
+        let (share, (height, seam)) = match part {
+            Part::Centre { seams, share } => {
+                let heights = seams.iter().map(|&seam| own(SeamLine { seam, line: None }));
+                (share, heights.reduce(junction).unwrap_or((0.0, 0)))
+            }
+            Part::Line { strand, share } => (share, own(*strand)),
+            Part::Crossing { through, other, share } => (share, self.crossing(*through, *other)),
+        };
+        (share * height, seam)
     }
+
+    /// The height of a seam's line over the surface.
+    fn profile(&self, SeamLine { seam, line }: SeamLine) -> f32 {
+        self.seams[seam].1.profile(line)
+    }
+
+    /// The height where a line of one seam crosses that of another which goes through.
+    fn crossing(&self, through: SeamLine, other: SeamLine) -> (f32, usize) {
+        let [offset, other_offset] = [through, other].map(|strand| self.seams[strand.seam].1.normal_offset);
+        let (own, its) = ((self.profile(through), through.seam), (self.profile(other), other.seam));
+        if offset < 0.0 && other_offset < 0.0 {
+            return if its.0 < own.0 { its } else { own };
+        }
+        if offset == 0.0 {
+            return its;
+        }
+        // Within its width a ridge takes up another one, up to its own height.
+        let taken = (its.0.min(offset), its.1);
+        let within = if through.line.is_some() && taken.0 > own.0.max(0.0) { taken } else { own };
+        match through.line {
+            Some(line) if line > WIDTH_LINE => its,
+            // Between, the other one is halfway: it would be a step if it rose from one line to the next.
+            Some(line) if line == WIDTH_LINE => (0.5 * (within.0 + its.0), its.1),
+            _ => within,
+        }
+    }
+}
+
+/// The height where the edges of seams meet: the depth of the deeper of two grooves, or else the height of the seam that
+/// goes through.
+fn junction(through: (f32, usize), other: (f32, usize)) -> (f32, usize) {
+    let are_grooves = through.0 < 0.0 && other.0 < through.0;
+    if through.0 == 0.0 || are_grooves { other } else { through }
 }

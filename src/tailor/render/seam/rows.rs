@@ -10,9 +10,7 @@ use super::profile::LINES as SHARES;
 use super::{reports, room};
 use crate::codes;
 use crate::render::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
-use crate::render::parallels::{
-    self, Block, Chain, Fade, Field, LinePlace, ParallelRequest, Parallels, Passage, Room, Surface,
-};
+use crate::render::parallels::{self, Block, Chain, Field, LinePlace, ParallelRequest, Parallels, Passage, Surface};
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -160,7 +158,7 @@ impl Rows {
             edges.retain(|&[a, b]| t.find_edge(a, b).is_none_or(|edge| network.seam[edge].is_none()));
         }
         let network = Network::new(t, &[edges]);
-        let chains = network.chains(t, |_| Fade { flat: 0.0, rise: self.options().width });
+        let chains = network.chains(t);
         (network, chains)
     }
 
@@ -259,10 +257,8 @@ impl Rows {
         let covered = Covered::all(&lines.passages);
         for (chain, Chain { edges, fades }) in request.chains.iter().enumerate() {
             let length = request.field.lengths()[chain];
-            let is_faded = |middle: f32| {
-                let ends = fades.iter().zip([middle, length - middle]);
-                ends.into_iter().any(|(fade, left)| fade.is_some_and(|fade| left < fade.rise))
-            };
+            let is_faded =
+                |middle: f32| fades[0] && middle < request.fading || fades[1] && length - middle < request.fading;
             let rows =
                 ladder.rows.iter().enumerate().flat_map(|(row, &distance)| [0, 1].map(|side| (row, distance, side)));
             for (row, distance, side) in rows.filter(|&(.., side)| wanted[side]) {
@@ -294,7 +290,7 @@ impl Rows {
     ) -> bool {
         let (length, fades) = (request.field.lengths()[chain], request.chains[chain].fades);
         let ([from, _], [_, to]) = (request.field.span(run[0].0), request.field.span(run[run.len() - 1].0));
-        let is_at_end = |fade: Option<Fade>, left: f32| fade.is_some_and(|fade| left < 2.0 * fade.rise);
+        let is_at_end = |fades: bool, left: f32| fades && left < 2.0 * request.fading;
         let (_, vertex) = run[run.len() / 2];
         let is_near = |block: &Block| {
             block.field.around_vertex(vertex).is_some_and(|foot| foot.distance < block.width + 0.5 * distance)
@@ -343,9 +339,7 @@ impl Operator for Rows {
         let request = ParallelRequest {
             field: Field::new(&surface, &chains, sides(self.options()), furthest),
             chains: &chains,
-            room: Room::full(vec![[furthest; 2]; chains.len()]),
-            distances: vec![distances; chains.len()],
-            is_closed: false,
+            distances,
             fading: self.options().width,
             blocks: self.blocks(cage, &surface, &network, &ladder),
         };

@@ -128,17 +128,14 @@ fn uv_faults(mesh: &Mesh, t: &Topology) -> Vec<String> {
 fn edge_faults(mesh: &Mesh, source: &Mesh) -> Vec<String> {
     let Values::F32(rest) = &mesh.primvar("rest").expect("rest").values else { return Vec::new() };
     let at = |v: tailor_mesh::connectivity::VertexId| Vec2::new(rest[2 * v.index()], rest[2 * v.index() + 1]);
-    // Weights are composed over the passes of seams: their sums are rounded.
-    const SAME: f32 = 1e-6;
-    let is = |a: f32, b: f32| (a - b).abs() < SAME;
     let mut faults = Vec::new();
     for subset in mesh.subsets.iter() {
         let Elements::Edges(edges) = &subset.elements else { continue };
         let fits = |p: Vec2| match subset.name.as_str() {
-            "row" => is(p.y, 3.0),
-            "column" => is(p.x, 3.0),
-            "short" => is(p.y, 1.0) && (1.0 - SAME..=3.0 + SAME).contains(&p.x),
-            _ => is(p.y, 0.0) && p.x <= 3.0 + SAME,
+            "row" => p.y == 3.0,
+            "column" => p.x == 3.0,
+            "short" => p.y == 1.0 && (1.0..=3.0).contains(&p.x),
+            _ => p.y == 0.0 && p.x <= 3.0,
         };
         faults.extend(edges.iter().flatten().filter(|v| !fits(at(**v))).map(|v| format!("{}: {v:?}", subset.name)));
         // All of the line is there, however often it was cut.
