@@ -94,11 +94,10 @@ fn chords(request: &ParallelRequest, crossings: &Crossings, face: FaceId, passag
                 passages.push(passage);
             }
             let is_along_edge = b - a == 1 || a + around.len() - b == 1;
-            if is_along_edge {
-                continue;
+            if !is_along_edge {
+                let share = 0.5 * (from.share + to.share);
+                chords.push(Chord { ends: [from.point, to.point], bend: None, passage, share });
             }
-            let share = 0.5 * (from.share + to.share);
-            chords.push(Chord { ends: [from.point, to.point], bend: None, passage, share });
         }
     }
     if t.faces.valence(face) == 4 && !chords.is_empty() {
@@ -125,7 +124,7 @@ fn around(request: &ParallelRequest, crossings: &Crossings, face: FaceId) -> Vec
             Around {
                 point,
                 line: through.map(|(line, ..)| *line),
-                foot: through.map(|(_, foot, _)| *foot).or(request.field.off_chains(vertex)),
+                foot: through.map(|(_, foot, _)| *foot).or_else(|| request.field.around_vertex(vertex)),
                 share: through.map_or(0.0, |(.., share)| *share),
                 place: corner_place(corner - 1),
             }
@@ -150,18 +149,15 @@ fn ends(request: &ParallelRequest, around: &[Around], face: FaceId, line: usize)
         // A line that touches a corner from outside does not lead through the face.
         on.retain(|&i| matches!(around[i].point, Point::Crossing(..)));
     }
-    match *on.as_slice() {
-        [a, b] => vec![[a, b]],
-        [a, b, c, d] => {
-            // Two pieces: the middle of the face is between them, on its side of the line.
-            let is_over = |foot: Option<Foot>| foot.is_none_or(|foot| request.over(line, &foot) > 0.0);
-            let between = &around[a + 1..b];
-            let is_low = between.iter().any(|p| p.line != Some(line) && !is_over(p.foot));
-            let is_apart = is_low == is_over(request.field.at_centre(face));
-            if is_apart { vec![[a, b], [c, d]] } else { vec![[b, c], [a, d]] }
-        }
-        _ => Vec::new(),
+    let &[first, second, ..] = on.as_slice() else { return Vec::new() };
+    // The middle of the face is between the pieces, on its side of the line.
+    let is_over = |foot: Option<Foot>| foot.is_none_or(|foot| request.over(line, &foot) > 0.0);
+    let is_low = around[first + 1..second].iter().any(|p| p.line != Some(line) && !is_over(p.foot));
+    if is_low != is_over(request.field.at_centre(face)) {
+        on.rotate_left(1);
     }
+    let piece = |pair: &[usize]| [pair[0].min(pair[1]), pair[0].max(pair[1])];
+    if on.len() % 2 == 0 { on.chunks(2).map(piece).collect() } else { Vec::new() }
 }
 
 /// Where a line is beside the middle of its chord, and whether it is far enough from there for a bend.
@@ -173,7 +169,9 @@ fn bend(request: &ParallelRequest, face: FaceId, passage: Passage, [from, to]: [
     };
     let middle = 0.5 * (from + to);
     let over = |p: Vec2| request.field.within(face, place(p)).map(|foot| request.over(passage.line, &foot));
-    let Some(start) = over(middle) else { return (middle, false) };
+    // The chord is straight in space, where the middle of its coordinates may be beside it.
+    let straight = request.field.within(face, 0.5 * (place(from) + place(to)));
+    let (Some(straight), Some(start)) = (straight, over(middle)) else { return (middle, false) };
     let lines = &request.distances[passage.side];
     let step = lines.windows(2).map(|pair| pair[1] - pair[0]).fold(f32::INFINITY, f32::min);
     let across = (to - from).perp().normalize_or_zero();
@@ -196,5 +194,5 @@ fn bend(request: &ParallelRequest, face: FaceId, passage: Passage, [from, to]: [
             best = Some(found);
         }
     }
-    best.map_or((middle, false), |at| (at, start.abs() > BENT * step))
+    best.map_or((middle, false), |at| (at, request.over(passage.line, &straight).abs() > BENT * step))
 }

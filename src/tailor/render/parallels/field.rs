@@ -224,7 +224,7 @@ impl<'a> Field<'a> {
             true => (if vertex == span.start { from } else { to }, Wave::Circle(vertex)),
             false => (0.5 * (from + to), Wave::Plane),
         };
-        Some(Foot { distance: 0.0, side, chain: span.chain, along, wave })
+        Some(Foot { distance: 0.0, side, chain: span.chain, along, place: self.place(sample), wave })
     }
 
     /// The side of a chain on which the face of one of its half-edges is.
