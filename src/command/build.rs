@@ -25,8 +25,8 @@ use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::meter::PassedLimit;
 use tailor_usd::session::{is_usd, written};
 use tailor_usd::{
-    BoundTrim, BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_target,
-    product_names, write_all,
+    BoundTrim, BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_name,
+    check_target, product_names, write_all,
 };
 
 /// The name of a report that is printed.
@@ -231,14 +231,14 @@ fn built(
     let mut timings = Vec::new();
     let openings = timed("read", &mut timings, || {
         let openings = variants::open(build, input)?;
-        check_target(&openings[0].garments[0].source, output, build.force)?;
-        Ok(openings)
+        check_target(&openings[0].garments[0].source, output, build.force).map(|()| openings)
     })?;
+    check_name("--sim-name", &build.sim_name)?;
+    check_name("--render-name", &build.render_name)?;
     let (mut sources, mut checked) = (Vec::new(), Vec::new());
     timed("check", &mut timings, || {
         for Opening { variant, garments } in openings {
-            let opened = garments.iter().map(|garment| &garment.source);
-            let names = product_names(opened, [&build.sim_name, &build.render_name]);
+            let names = product_names(garments.iter().map(|g| &g.source), [&build.sim_name, &build.render_name]);
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
                 let names = leveled(build, &source, &recipe, names)?;

@@ -49,6 +49,25 @@ def test_the_template_builds_every_garment_and_tells_of_bad_ones(usdtailor, tmp_
     assert {name for name, status in statuses if status == "fresh"} == built and len(built) >= 29
 
 
+def test_paths_and_lines_of_the_list_are_no_code(usdtailor, tmp_path):
+    folder = tmp_path / "it's $(touch ran) ;`touch ran`"
+    folder.mkdir()
+    files = garments(folder, 2)
+    (folder / "garments.txt").write_text(f"{files[0]}\n--help\n{files[1]}\n")
+    out = folder / "out"
+    out.mkdir()
+    options = "--set render.level=1 ; touch ran $(touch ran)"
+    parameters = {"Garments": folder / "garments.txt", "Lines": "1-3", "Out": out, "Program": usdtailor}
+    run = lambda **more: openjd(
+        "run", TEMPLATE, "--step", "Build", *(part for each in {**parameters, **more}.items() for part in ("-p", "=".join(map(str, each))))
+    )
+    # A line that looks like an option is a file that is not there.
+    assert run().returncode != 0
+    assert builds(out) == [(str(files[0]), "built"), ("--help", "failed"), (str(files[1]), "built")]
+    assert run(Options=options).returncode != 0
+    assert not list(tmp_path.rglob("ran")) and not Path("ran").exists()
+
+
 def builds(out):
     """Inputs and statuses in the reports of all chunks, each of which has 20 garments at most."""
     reports = [json.loads(report.read_text())["builds"] for report in out.glob("report-*.json")]

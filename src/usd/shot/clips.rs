@@ -91,14 +91,14 @@ impl Clips {
         let mut clip = empty();
         self.varying.resize(paths.len(), BTreeSet::new());
         for (number, (path, moved)) in paths.iter().zip(meshes).enumerate() {
-            PrimSpec::over(&mut clip, path).map_err(|e| unwritable(&e))?;
+            PrimSpec::over(&mut clip, path).map_err(unwritable)?;
             let arrays = moved.arrays().map(|(name, values)| {
                 let values: &[openusd::gf::Vec3f] = bytemuck::cast_slice(values);
                 (name, Value::Vec3fVec(values.to_vec()))
             });
             for (name, value) in arrays.chain(moved.values()) {
                 self.varying[number].insert(name);
-                sampled(&mut clip, path, name, vec![(time, value)]).map_err(|e| unwritable(&e))?;
+                sampled(&mut clip, path, name, vec![(time, value)]).map_err(unwritable)?;
             }
         }
         self.save(clip, &format!("frame.{:0DIGITS$}", self.written.len()))
@@ -122,16 +122,16 @@ impl Clips {
     pub fn author(&mut self, file: &OutputFile, layer: &mut Data, paths: &[Path]) -> Result<(), Error> {
         let mut manifest = empty();
         for (path, varying) in paths.iter().zip(&self.varying) {
-            PrimSpec::over(&mut manifest, path).map_err(|e| unwritable(&e))?;
+            PrimSpec::over(&mut manifest, path).map_err(unwritable)?;
             for &name in varying {
-                let attribute = path.append_property(name).map_err(|e| unwritable(&e))?;
+                let attribute = path.append_property(name).map_err(unwritable)?;
                 sdf::AttributeSpec::new(&mut manifest, &attribute, type_of(name), Variability::Varying, false)
-                    .map_err(|e| unwritable(&e))?;
+                    .map_err(unwritable)?;
             }
         }
         self.save(manifest, MANIFEST)?;
         for path in paths {
-            PrimSpec::over(layer, path).map_err(|e| unwritable(&e))?;
+            PrimSpec::over(layer, path).map_err(unwritable)?;
             layer.set_field(path, "clips", self.clips(path, file.anchor()));
         }
         Ok(())

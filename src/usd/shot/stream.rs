@@ -88,12 +88,12 @@ impl ShotWriter {
         let values = paths.iter().map(|_| BTreeMap::new()).collect();
         let mut writer = Self { file, layer, paths, arrays, values, out };
         for mesh in &bound.meshes {
-            PrimSpec::over(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
+            PrimSpec::over(&mut writer.layer, &mesh.path).map_err(unwritable)?;
             if mesh.is_skinned {
-                unbind(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
+                unbind(&mut writer.layer, &mesh.path).map_err(unwritable)?;
             }
             for (name, kind) in &mesh.stale {
-                block(&mut writer.layer, &mesh.path, name, kind).map_err(|e| unwritable(&e))?;
+                block(&mut writer.layer, &mesh.path, name, kind).map_err(unwritable)?;
             }
         }
         Ok(writer)
@@ -176,10 +176,10 @@ impl ShotWriter {
         for (path, (arrays, values)) in all {
             for (name, samples) in std::mem::take(arrays) {
                 let samples = samples.into_iter().map(|(time, place)| (time, value(place))).collect();
-                sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
+                sampled(&mut self.layer, path, name, samples).map_err(unwritable)?;
             }
             for (name, samples) in std::mem::take(values) {
-                sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
+                sampled(&mut self.layer, path, name, samples).map_err(unwritable)?;
             }
         }
         Ok(())
@@ -196,7 +196,7 @@ fn used(options: &DriveOptions, bound: &Bound, files: &[PathBuf]) -> Result<Opti
 }
 
 /// The error of a shot that the USD library does not write.
-pub fn unwritable(e: &impl std::fmt::Display) -> Error {
+pub fn unwritable(e: impl std::fmt::Display) -> Error {
     Error::usd(format!("the shot cannot be written: {e}")).code(codes::WRITE_FAILED)
 }
 

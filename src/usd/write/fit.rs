@@ -1,6 +1,6 @@
 //! A fitted garment as a layer over its stage.
 
-use super::layer::{LayerContext, WriteOptions, overlay};
+use super::layer::{LayerContext, WriteOptions, name_fault, overlay};
 use super::product::{Author, extent};
 use super::role::{GarmentProducts, SetChoice};
 use super::save::OutputFile;
@@ -152,9 +152,7 @@ fn refer(data: &mut sdf::Data, prim: &sdf::Path) -> openusd::Result<()> {
 
 fn bad_name(selection: &Selection, error: &openusd::Error) -> Error {
     let text = format!("{}{{{}={}}} cannot be a variant: {error}", selection.prim, selection.set, selection.choice);
-    Error::usd(text)
-        .code(tailor_costume::codes::NAME_TAKEN)
-        .remedy("give the files of bodies names of letters, digits and _")
+    name_fault(text, "give the files of bodies names of letters, digits and _")
 }
 
 impl Author<'_> {

@@ -309,28 +309,30 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         std::iter::once(beside(SCOPE, sim)).chain(panels)
     });
     for name in written {
-        let name = name.as_str();
-        refuse_other(model, name)?;
-        let is_ours = model.siblings.get(name).is_none_or(|sibling| sibling.product);
-        if !is_ours || model.has_panel(name) || products.iter().any(|product| product.name == name) {
-            let path = model.sibling_path(name).or_unreadable(&model.path)?;
-            return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
-                .code(tailor_costume::codes::NAME_TAKEN)
-                .remedy("rename that prim, or write no physics by --physics none"));
+        refuse_other(model, &name)?;
+        let is_ours = model.siblings.get(&name).is_none_or(|sibling| sibling.product);
+        if !is_ours || model.has_panel(&name) || products.iter().any(|product| product.name == name) {
+            let path = model.sibling_path(&name).or_unreadable(&model.path)?;
+            let text = format!("{path} is taken by another prim, and cloth is written there");
+            return Err(name_fault(text, "rename that prim, or write no physics by --physics none"));
         }
     }
     for (i, product) in products.iter().enumerate() {
-        let flag = product.role.name_flag();
-        if !product.name.split('/').all(sdf::Path::is_valid_identifier) {
-            return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
-                .code(tailor_costume::codes::NAME_TAKEN)
-                .remedy("use letters, digits and _, and no digit first"));
-        }
         if is_taken(model, product.sibling()) || products[..i].iter().any(|p| p.name == product.name) {
-            return Err(taken(model, product.sibling(), flag)?);
+            return Err(taken(model, product.sibling(), product.role)?);
         }
     }
     Ok(())
+}
+
+/// Refuses a name of something that no prim can have.
+///
+/// # Errors
+/// Such a name.
+pub fn check_name(of: &str, name: &str) -> Result<(), Error> {
+    let text = || format!("{of} {name:?} is not a name that a prim can have");
+    let is_name = sdf::Path::is_valid_identifier(name).then_some(());
+    is_name.ok_or_else(|| name_fault(text(), "use letters, digits and _, and no digit first"))
 }
 
 /// Refuses names of products that other prims have.
@@ -338,13 +340,10 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
 /// # Errors
 /// Such a name.
 pub fn check_product_names(source: &Source, names: &ProductNames) -> Result<(), Error> {
-    for (i, name) in names.all().enumerate() {
-        if is_taken(&source.model, name) {
-            let role = if i == 0 { ProductRole::Sim } else { ProductRole::Render };
-            return Err(taken(&source.model, name, role.name_flag())?);
-        }
-    }
-    Ok(())
+    let found = names.all().enumerate().find(|(_, name)| is_taken(&source.model, name));
+    let Some((number, name)) = found else { return Ok(()) };
+    let role = if number == 0 { ProductRole::Sim } else { ProductRole::Render };
+    Err(taken(&source.model, name, role)?)
 }
 
 /// Whether a prim that is not a product has the name.
@@ -352,11 +351,15 @@ fn is_taken(model: &Model, name: &str) -> bool {
     model.siblings.get(name).is_some_and(|sibling| !sibling.product) || model.has_panel(name)
 }
 
-fn taken(model: &Model, name: &str, flag: &str) -> Result<Error, Error> {
+fn taken(model: &Model, name: &str, role: ProductRole) -> Result<Error, Error> {
     let path = model.sibling_path(name).or_unreadable(&model.path)?;
-    Ok(Error::usd(format!("{path} is taken by another prim"))
-        .code(tailor_costume::codes::NAME_TAKEN)
-        .remedy(format!("rename that prim, or choose another name by {flag}")))
+    let remedy = format!("rename that prim, or choose another name by {}", role.name_flag());
+    Ok(name_fault(format!("{path} is taken by another prim"), &remedy))
+}
+
+/// A fault of a name, with its remedy.
+pub fn name_fault(text: String, remedy: &str) -> Error {
+    Error::usd(text).code(tailor_costume::codes::NAME_TAKEN).remedy(remedy)
 }
 
 /// Refuses a name that the product of another model has.
@@ -364,10 +367,9 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let Some(other) = model.siblings.get(name).and_then(|sibling| sibling.of_other.as_deref()) else { return Ok(()) };
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
     let own = model.name().replace('/', "_");
-    let fault = Error::usd(format!("{} was made from {}, which it would hide", path?, other?))
-        .code(tailor_costume::codes::NAME_TAKEN);
-    Err(fault
-        .remedy(format!("give each garment names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
+    let text = format!("{} was made from {}, which it would hide", path?, other?);
+    let remedy = "give each garment names of its own, such as";
+    Err(name_fault(text, &format!("{remedy} --sim-name {own}_sim --render-name {own}_render")))
 }
 
 /// A layer over the input, without products.

@@ -19,7 +19,7 @@ mod variant;
 pub use crates::write_crate;
 pub use fit::{BodyChoice, write_bodies, write_fitted};
 pub use layer::{
-    Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes, write, write_all,
+    Surroundings, WriteOptions, Written, check_name, check_product_names, check_target, layer_bytes, write, write_all,
 };
 pub use physics::pose_points;
 pub use product::extent;

@@ -1,6 +1,6 @@
 //! Sets of elements as subsets: of products, and of the model in a layer over the stage.
 
-use super::layer::{LayerContext, overlay};
+use super::layer::{LayerContext, check_name, name_fault, overlay};
 use super::product::Author;
 use super::role::SetChoice;
 use super::save::OutputFile;
@@ -176,18 +176,14 @@ fn words_of(text: &str) -> Vec<&str> {
 /// Panels that are sewn together, a name that is taken or not valid, a file that may not or cannot be written.
 pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -> Result<(), Error> {
     let model = &source.model;
-    let fault = |text: String| Error::usd(text).code(tailor_costume::codes::NAME_TAKEN);
     if model.is_sewn() {
         let text = format!("{} is sewn of several meshes, and sets are of one", source.whole());
-        return Err(fault(text).code(codes::SEVERAL_MESHES).remedy("name one of the meshes by --prim"));
+        return Err(Error::usd(text).code(codes::SEVERAL_MESHES).remedy("name one of the meshes by --prim"));
     }
     for set in &sets {
-        if !sdf::Path::is_valid_identifier(&set.name) {
-            let text = format!("{:?} is not a name that a prim can have", set.name);
-            return Err(fault(text).remedy("use letters, digits and _, and no digit first"));
-        }
+        check_name("set", &set.name)?;
         if model.subsets.contains_key(&set.name) {
-            return Err(fault(format!("{} has a subset {}", model.path, set.name)).remedy("choose another name"));
+            return Err(name_fault(format!("{} has a subset {}", model.path, set.name), "choose another name"));
         }
     }
     let numbers = &source.garment.as_ref().map_err(Clone::clone)?.face_numbers;
@@ -201,7 +197,7 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
         let fault = |e: openusd::Error| {
             Error::usd(format!("the layer cannot be composed: {e}")).code(codes::COMPOSITION_FAILED)
         };
-        sdf::PrimSpec::over(&mut data, &model.path).map_err(|e| fault(e.into()))?;
+        sdf::PrimSpec::over(&mut data, &model.path).map_err(|e| Error::usd(e.to_string()))?;
         let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::All };
         author.subsets(&model.path, &mesh).map_err(fault)?;
         file.save(data).map(drop)

@@ -35,6 +35,14 @@ fn of_the_output() {
             &["/Coat/both is taken", "--render-name"],
         ),
         of("build in.usda -o out/coat.usda --sim-name 1st", &["--sim-name \"1st\"", "no digit first"]),
+        of("build in.usda -o out/coat.usda --sim-name a/b", &["--sim-name \"a/b\"", "letters, digits and _"]),
+        of(
+            "build in.usda -o out/coat.usda --render-name LOD1/b",
+            &["--render-name \"LOD1/b\"", "letters, digits and _"],
+        ),
+        of("build in.usda -o out/a:SDF_FORMAT_ARGS:x=y.usdc", &["has `:SDF_FORMAT_ARGS:`", "name it otherwise"]),
+        #[cfg(unix)]
+        of("build in.usda -o out/a\\b.usdc", &["out/a\\b.usdc has a backslash in its path", "name it otherwise"]),
         fault(
             "build in.usda -o out/coat.usda",
             |f| {

@@ -157,7 +157,7 @@ fn ends(request: &ParallelRequest, around: &[Around], face: FaceId, line: usize)
         on.rotate_left(1);
     }
     let piece = |pair: &[usize]| [pair[0].min(pair[1]), pair[0].max(pair[1])];
-    if on.len() % 2 == 0 { on.chunks(2).map(piece).collect() } else { Vec::new() }
+    if on.len().is_multiple_of(2) { on.chunks(2).map(piece).collect() } else { Vec::new() }
 }
 
 /// Where a line is beside the middle of its chord, and whether it is far enough from there for a bend.

@@ -1,7 +1,8 @@
 //! Bounds the arcs of a prim (references, payloads, inherits, specializes) before a stage is composed: where each of two
 //! references leads to a prim with two references, and so on, they double with each level.
 
-use super::resolver::{ARGUMENTS, Files, package_file};
+use super::resolver::{Files, package_file};
+use crate::assets::ARGUMENTS;
 use crate::codes;
 use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, Layer, Value, default_prim_path};

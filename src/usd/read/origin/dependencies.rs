@@ -1,7 +1,7 @@
 //! The files that a stage uses under any selection of variants, so that none of them is written over.
 
-use super::resolver::{ARGUMENTS, Files, package_file};
-use crate::assets::{Identity, as_named, frames, normalized, tiles};
+use super::resolver::{Files, package_file};
+use crate::assets::{ARGUMENTS, Identity, as_named, frames, normalized, tiles};
 use crate::names;
 use crate::on_large_stack;
 use crate::values::text;

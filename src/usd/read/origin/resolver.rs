@@ -24,9 +24,6 @@ const STRING: u8 = 10;
 const ASSET: u8 = 12;
 const ARRAY: u8 = 0x80;
 
-/// The separator of a layer's path and its arguments.
-pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
-
 /// Whether the bytes of a layer are text.
 pub fn is_text(bytes: &[u8]) -> bool {
     bytes.starts_with(TEXT)

@@ -13,6 +13,7 @@
 //!
 //! A level has a name of its own, so that the points of a shot are never those of another level's faces.
 
+use super::layer::name_fault;
 use super::physics::beside;
 use super::product::{Author, extent, fault};
 use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
@@ -63,8 +64,7 @@ pub fn copy_levels(data: &mut sdf::Data, variant: Option<&Selection>, levels: &[
 pub fn check_levels(garment: &GarmentProducts, all: &[GarmentProducts], schema: LodSchema) -> Result<(), Error> {
     let (model, products) = (&garment.source.model, garment.products);
     let count = level_count(products);
-    let refused =
-        |text: String, remedy: &str| Err(Error::usd(text).code(tailor_costume::codes::NAME_TAKEN).remedy(remedy));
+    let refused = |text: String, remedy: &str| Err(name_fault(text, remedy));
     let is_level = |(name, sibling): (&String, &Sibling)| sibling.product && name.ends_with(&level_name(1));
     if model.siblings.iter().any(is_level) {
         let text = format!("{} has levels of detail of an earlier build, which would stay", model.path);

@@ -9,7 +9,7 @@ pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, wr
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
-use crate::assets::{Anchor, as_named, writable};
+use crate::assets::{Anchor, as_named, unreadable, writable};
 use crate::codes;
 use openusd::sdf::{Data, FormatError};
 use std::fs::{self, File};
@@ -99,7 +99,12 @@ impl OutputFile {
                 .code(codes::OUTPUT_PATH)
                 .remedy("create the folder first")
         })?;
-        let named = PathBuf::from(as_named(out)?);
+        let named = as_named(out)?;
+        if let Some(what) = unreadable(&named) {
+            let text = format!("has {what} in its path");
+            return fault(codes::OUTPUT_PATH, &text, "OpenUSD could not open it: name it otherwise");
+        }
+        let named = PathBuf::from(named);
         let file = real_folder.join(file.file_name().expect("a path with a known extension has a file name"));
         let stem = named.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         Ok(Self { shown, folder: folder_of(&named).to_path_buf(), file, stem, force, format })
