@@ -62,6 +62,8 @@ declare_codes! {
         UV_FLIPS = "uv-flips";
     }
     notes {
+        /// A detail to leave out of the simulation mesh is closed.
+        CLOSED_DETAIL = "closed-detail";
         /// The mesh has no subdivision surface.
         POLYGONAL_CAGE = "polygonal-cage";
         /// A face set of an operator has another name than asked.

@@ -57,7 +57,7 @@
 //! | After the rounds | `sim/passes/finish/mod.rs` | Thin triangles are made better, turned ones are turned back, chords follow their curves |
 //! | Carry values by their places on the baseline | `transfer/vertices.rs`, `transfer/corners/mod.rs` | Joint influences are merged, not averaged |
 //! | Carry face sets by stochastic samples | `transfer/coverage/mod.rs`, `transfer/faces/sets.rs` | Samples are sequences with a seed: the same mesh each time |
-//! | Carry edge sets | `transfer/edges/mod.rs` | Sets on chains exactly, others as shortest paths along their curves |
+//! | Carry edge sets | `transfer/edges/mod.rs` | Sets on chains exactly, borders of face sets edge for edge, others as paths along their curves |
 //! | Render mesh: fold-over thickness, refinement, seams | `render/stack.rs` | Seams run at the finest level that has room for them |
 //! | Thickness | `render/fold.rs` | Painted; heights keep clear of other cloth (`render/points.rs`) |
 //! | Seams | `render/seam.rs`, `render/lines/mod.rs` | Rows of stitches beside a seam (`render/parallels/mod.rs`) |

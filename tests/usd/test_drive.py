@@ -95,6 +95,22 @@ def test_extent_and_times_are_those_of_the_cache(coat, shot):
     assert shot.GetDefaultPrim().GetName() == "Coat" and UsdGeom.GetStageMetersPerUnit(shot) == 0.01
 
 
+def test_details_that_the_simulation_mesh_leaves_out_move_with_it(built, usdtailor, coat, tmp_path):
+    smooth = built(COAT, "--set", "sim.smooth=rings(borders, 3)", suffix=".usdc")
+    rest, render = points(smooth.prim("sim")), points(smooth.prim("render"))
+    assert np.array_equal(render, points(coat.prim("render"))), "the render mesh keeps the details"
+    assert rest.shape != points(coat.prim("sim")).shape or np.abs(rest - points(coat.prim("sim"))).max() > 0
+    turned = rest[:, [2, 0, 1]]
+    cache = write_cache(tmp_path / "cache.usdc", smooth, [rest, turned])
+    done = drive(usdtailor, smooth, cache, tmp_path / "shot.usdc")
+    assert done.returncode == 0, done.stderr
+    stage = Usd.Stage.Open(str(tmp_path / "shot.usdc"))
+    prim = stage.GetPrimAtPath(smooth.prim("render").GetPath())
+    size = np.linalg.norm(np.ptp(render, axis=0))
+    assert np.abs(points(prim, 1) - render).max() <= 1e-6 * size
+    assert np.abs(points(prim, 2) - render[:, [2, 0, 1]]).max() <= 1e-5 * size
+
+
 def nearest_of_the_same_face(face, coords, points, others):
     """For each point the nearest of `others` that is bound to the same face, and how far it is; infinitely far where none is."""
     others = others[np.argsort(face[others], kind="stable")]

@@ -68,14 +68,14 @@ def test_a_set_of_the_name_of_a_mark_is_kept(usdtailor, flawed, tmp_path):
 
 
 def test_warnings_of_sets_name_their_faces_or_edges(usdtailor, tmp_path):
-    """Narrow face sets, and two lines of edges that a coarse simulation mesh cannot keep apart."""
+    """Narrow face sets, and three lines of edges that a coarse simulation mesh cannot keep apart."""
     path, out, report = (tmp_path / name for name in ("narrow.usda", "out.usda", "out.json"))
     write(path, shape=lambda: sheet(24, 24))
     stage = Usd.Stage.Open(str(path))
     model = UsdGeom.Mesh(next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)))
     stripe = [24 * row + 11 for row in range(24)]
     UsdGeom.Subset.CreateGeomSubset(model, "stripe", "face", stripe)
-    lines = [[25 * row + column, 25 * (row + 1) + column] for column in (11, 12) for row in range(4, 20)]
+    lines = [[25 * row + column, 25 * (row + 1) + column] for column in (3, 4, 5) for row in range(4, 20)]
     UsdGeom.Subset.CreateGeomSubset(model, "lines", "edge", [end for edge in lines for end in edge])
     stage.Save()
     width = float(numpy.ptp(numpy.array(model.GetPointsAttr().Get())[:, 0]))

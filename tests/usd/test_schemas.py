@@ -62,7 +62,7 @@ FOLD = {
 MULTIPLE = {"TailorSeamAPI": "TailorSeamAPI:x", "TailorFoldAPI": "TailorFoldAPI:x"}
 SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorLodAPI": LOD, "TailorFitAPI": FIT, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
 RELATIONSHIPS = {
-    "TailorSimAPI": {"tailor:sim:constraints"},
+    "TailorSimAPI": {"tailor:sim:smooth", "tailor:sim:constraints"},
     "TailorRenderAPI": set(),
     "TailorLodAPI": set(),
     "TailorFitAPI": {"tailor:fit:rigid", "tailor:fit:keepLength"},

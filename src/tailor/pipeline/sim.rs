@@ -165,6 +165,7 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
     warnings.extend(small_shells(garment, options, &product.baseline));
+    warnings.extend(closed_details(&product.baseline));
     warnings.extend(flipped_uvs(garment, options, &product.baseline));
     if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
@@ -192,6 +193,17 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
     let warning = Warning::new(codes::SMALL_SHELLS, place, problem).at(Elements::Faces(faces));
     Some(warning.remedy("Set sim.smallestShell to 0 to follow them all, or lower sim.maxEdgeLength"))
+}
+
+/// The warning of details that no surface could take the place of.
+fn closed_details(baseline: &Baseline) -> Option<Warning> {
+    let count = baseline.closed_details;
+    let problem = format!(
+        "{} closed, without faces around it: the simulation mesh keeps it",
+        counted(count, "detail is", "details are")
+    );
+    let warning = Warning::new(codes::CLOSED_DETAIL, "sim.smooth", problem);
+    (count > 0).then(|| warning.remedy("Make the detail a trim, or leave it out of sim.smooth"))
 }
 
 /// The warning of UVs that are cut at nearly every edge, as scanned and automatically unwrapped garments have them.

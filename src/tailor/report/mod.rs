@@ -93,9 +93,6 @@ pub struct EdgeSet {
     pub source_length: f64,
     /// Largest distance of a vertex of the product's set from the baseline's, in local target lengths.
     pub farthest: f32,
-    /// A lower bound of `length`. A chain that is off by more than a twentieth counts with the shortest path of nearby
-    /// edges instead. \[mesh units\]
-    pub shortest_length: f64,
 }
 
 /// Area of a face subset.
@@ -350,7 +347,6 @@ fn edge_sets(product: &SimProduct, mesh: &Mesh, curves: &[SetCurve]) -> Vec<Edge
         length: length(&c.name),
         source_length: c.length,
         farthest: c.farthest,
-        shortest_length: c.shortest,
     };
     curves.iter().map(set).collect()
 }

@@ -52,6 +52,9 @@ options! {
         /// Subdivision level of the surface that the simulation mesh approximates; 0 is the input itself
         "baselineLevel" baseline_level: u32 = 2, Domain::Whole { most: 6, usual: 4 }, "levels";
 
+        /// Face subsets whose details the simulation mesh leaves out: a fair surface through their surroundings replaces them
+        "smooth" smooth: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: false }, "names of subsets";
+
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
 

@@ -5,7 +5,7 @@
 //! | vertex and varying primvars, joint influences | the location of each vertex (`vertices`) |
 //! | face-varying primvars | the location of each corner, within one shell of the layout (`corners`) |
 //! | uniform primvars, face subsets | the areas that faces have in common, by samples ([`Coverage`], `faces`) |
-//! | edge subsets, creases | the constraint chains, else edge paths along their curves (`edges`) |
+//! | edge subsets, creases | the constraint chains, the borders of face sets, else edge paths along their curves (`edges`) |
 //! | point subsets, corners | the nearest vertex on the same chain or part of the surface (`edges`) |
 //! | normals of the garment's own faces | normals of the simulation mesh (`normals`) |
 //!
@@ -31,7 +31,8 @@ pub use subsets::SetCurve;
 
 use crate::sim::{SimOptions, SimProduct};
 use correspondence::Correspondence;
-use subsets::{CarriedSubsets, EdgeSets};
+use coverage::{Locator, Regions};
+use subsets::CarriedSubsets;
 use tailor_mesh::error::Warnings;
 use tailor_mesh::garment::{Mesh, Scheme, SubdivisionRules};
 use topology::SimTopology;
@@ -53,14 +54,13 @@ pub struct TransferResult {
 /// Warns of what is lost.
 pub fn transfer(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> (TransferResult, Warnings) {
     let mesh = SimTopology::new(product, garment.faces.len());
-    let (coverage, edge_sets) = rayon::join(
-        || Coverage::with_topology(product, &mesh, options),
-        || EdgeSets::new(garment, product, &mesh.topology),
-    );
+    let regions = Regions::new(&product.baseline);
+    let locator = Locator::new(product, &mesh, &regions);
+    let coverage = Coverage::with_locator(product, &mesh, &locator, options);
     let map = Correspondence::new(product, &mesh, &coverage);
     let ((primvars, mut warnings), subsets) = rayon::join(
         || primvars::carry_all(garment, &map, options),
-        || subsets::carry_all(garment, &map, options, edge_sets),
+        || subsets::carry_all(garment, &map, &locator, options),
     );
     let CarriedSubsets { subsets, families, curves, islands } = warnings.absorb(subsets);
     let mesh = Mesh {

@@ -5,18 +5,19 @@ use super::facets::{Layout, facets, free_flipped};
 use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
-use crate::sim::constraints::chain::Chain;
+use crate::sim::constraints::chain::{Chain, ChainKind};
 use crate::sim::constraints::feature_lines::{BluntRidge, FeatureSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
+use crate::sim::surface::fairing::Fairing;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::refine::{RefinedLevels, holes};
 use crate::sim::surface::small_shells::SmallShells;
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
 use glam::Vec3;
-use std::collections::BTreeSet;
-use tailor_mesh::connectivity::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
-use tailor_mesh::garment::{Mesh, Primvar};
+use std::collections::{BTreeMap, BTreeSet};
+use tailor_mesh::connectivity::{ChainId, CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
+use tailor_mesh::garment::{Elements, Mesh, Primvar};
 use tailor_mesh::subdivide::Level;
 
 /// Largest growth of lengths per length away from a chain that bends. Larger values spend fewer triangles near bends,
@@ -32,21 +33,24 @@ impl Baseline {
         let is_hole = holes(garment, &base);
         let mut manifold = Manifold::new(garment, &base);
         let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
-        let RefinedLevels { levels, points, uv_channel, uvs, cage_faces } =
+        let RefinedLevels { levels, mut points, uv_channel, uvs, cage_faces } =
             manifold.refine(garment, uvs, baseline_level(garment, options, lengths));
         let all_levels: Vec<&Level> = std::iter::once(&manifold.level).chain(&levels).collect();
         let finest = all_levels[levels.len()];
         let source_face = &cage_faces[levels.len()];
+        let small_shells = small_shells(garment, options, lengths, &manifold);
+        let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
+        let kinds = constrained_edges(garment, &manifold, options, is_seam, &small_shells, &is_hole);
+        let closed_details = smooth_details(garment, options, &kinds, &all_levels, source_face, &mut points);
         let quads = Triangulation::new(&finest.topology, &points, |f| !is_hole[source_face[f]]);
         let topology = Topology::new(Faces::triangles(quads.vertices(&finest.topology.faces)), points.len());
         let uvs = quads.uvs(uv_channel.as_ref(), &uvs);
         let mut target = lengths.refined(garment, &manifold, &levels, points.len());
         let graded = grade_targets(&mut target, options, &topology, &points);
 
-        let small_shells = small_shells(garment, options, lengths, &manifold);
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
         let FoundChains { chains, traced, curves, drawn, narrow, blunt } =
-            find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
+            find_chains(options, &manifold, kinds, &all_levels, &surface);
         let level = nearest_level(&all_levels, &points, lengths).max(traced);
         let start = StartMesh { levels: &all_levels, level, surface };
         let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]]);
@@ -62,6 +66,7 @@ impl Baseline {
         let flipped = if has_uvs { free_flipped(&topology, &uvs, &mut facets) } else { Vec::new() };
         let mut baseline = Self {
             facets,
+            closed_details,
             small_shells,
             flipped,
             source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
@@ -114,6 +119,34 @@ impl Baseline {
     }
 }
 
+/// Puts fair surfaces in place of the details that the options name. The constrained edges of the cage stay. Returns the
+/// number of closed details, which stay too.
+fn smooth_details(
+    garment: &Mesh,
+    options: &SimOptions,
+    kinds: &BTreeMap<EdgeId, ChainKind>,
+    levels: &[&Level],
+    source_face: &IdVec<FaceId, FaceId>,
+    points: &mut IdVec<VertexId, Vec3>,
+) -> usize {
+    let mut is_detail = IdVec::<FaceId, bool>::filled(false, garment.faces.len());
+    for subset in options.smooth.iter().filter_map(|name| garment.subset(name)) {
+        if let Elements::Faces(faces) = &subset.elements {
+            faces.iter().for_each(|&face| is_detail[face] = true);
+        }
+    }
+    if !is_detail.contains(&true) {
+        return 0;
+    }
+    let constrained = kinds.keys().map(|&edge| levels[0].topology.edges[edge].to_vec()).collect();
+    let mut is_edge = IdVec::<VertexId, bool>::filled(false, points.len());
+    refine_paths(constrained, levels).pop().iter().flatten().flatten().for_each(|&v| is_edge[v] = true);
+    let finest = &levels[levels.len() - 1].topology;
+    let (fairing, closed) = Fairing::new(finest, &is_edge, |face| is_detail[source_face[face]]);
+    fairing.apply(points);
+    closed
+}
+
 /// The UV shells whose borders constrain nothing.
 fn small_shells(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, manifold: &Manifold) -> SmallShells {
     match &manifold.uv_channel {
@@ -153,16 +186,12 @@ struct FoundChains {
 }
 
 fn find_chains(
-    garment: &Mesh,
     options: &SimOptions,
     manifold: &Manifold,
-    small_shells: &SmallShells,
+    mut kinds: BTreeMap<EdgeId, ChainKind>,
     levels: &[&Level],
     surface: &RefinedSurface<'_>,
-    is_hole: &IdVec<FaceId, bool>,
 ) -> FoundChains {
-    let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
-    let mut kinds = constrained_edges(garment, manifold, options, is_seam, small_shells, is_hole);
     let rims = FeatureSurface { levels, surface: *surface, sharp: options.feature_turn() }.add_features(&mut kinds);
     let refined = levels.get(1).and_then(|child| rims.refined_kinds(&kinds, [levels[0], child]));
     let (traced, source) = match &refined {

@@ -56,6 +56,8 @@ pub struct Baseline {
     pub barrier: IdVec<CornerId, bool>,
     /// The triangles as projections read them.
     pub facets: IdVec<FaceId, Facet>,
+    /// Number of closed details in `sim.smooth`, which are left as they are.
+    pub closed_details: usize,
     /// UV shells whose borders constrain nothing.
     pub small_shells: SmallShells,
     /// The triangles whose UVs are flipped or degenerate.

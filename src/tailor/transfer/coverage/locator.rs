@@ -22,7 +22,7 @@ const MAX_SEARCHED: usize = 96;
 const FLIPPED_PENALTY: f32 = 0.5;
 
 /// The triangles of the simulation mesh, with barycentric coordinates and neighbours.
-pub(super) struct Locator<'a> {
+pub(in crate::transfer) struct Locator<'a> {
     product: &'a SimProduct,
     regions: &'a Regions,
     maps: IdVec<FaceId, BarycentricMap>,
@@ -60,7 +60,7 @@ impl BarycentricMap {
 }
 
 /// A triangle of the baseline whose points are located.
-pub(super) struct SampledTriangle {
+pub(in crate::transfer) struct SampledTriangle {
     /// In UV for a flat region, else in space.
     pub corners: [Vec3A; 3],
     normal: Vec3A,

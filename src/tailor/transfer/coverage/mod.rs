@@ -8,11 +8,12 @@ mod samples;
 use super::topology::SimTopology;
 use crate::sim::{SimOptions, SimProduct, closest_weights};
 use glam::Vec3;
-use locator::Locator;
 use rayon::prelude::*;
-use regions::Regions;
 use samples::{AreaTally, SamplePlan};
 use tailor_mesh::connectivity::{Csr, FaceId, IdVec};
+
+pub(super) use locator::Locator;
+pub(super) use regions::Regions;
 
 /// Finds the triangle of a simulation mesh over a point of its baseline, on the same panel, layer and side.
 pub struct TriangleLocator<'a> {
@@ -84,20 +85,25 @@ impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length. The garment has
     /// `source_faces` faces.
     pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
-        Self::with_topology(product, &SimTopology::new(product, source_faces), options)
+        let mesh = SimTopology::new(product, source_faces);
+        let regions = Regions::new(&product.baseline);
+        Self::with_locator(product, &mesh, &Locator::new(product, &mesh, &regions), options)
     }
 
-    /// [`Coverage::new`] with the topology of the simulation mesh.
-    pub(super) fn with_topology(product: &SimProduct, mesh: &SimTopology, options: &SimOptions) -> Self {
+    /// [`Coverage::new`] with what locates points on the simulation mesh.
+    pub(super) fn with_locator(
+        product: &SimProduct,
+        mesh: &SimTopology,
+        locator: &Locator<'_>,
+        options: &SimOptions,
+    ) -> Self {
         let base = &product.baseline;
-        let (regions, plan) =
-            rayon::join(|| Regions::new(base), || SamplePlan::new(product, &mesh.source_triangles, options));
-        let locator = Locator::new(product, mesh, &regions);
+        let plan = SamplePlan::new(product, &mesh.source_triangles, options);
         let source_faces = mesh.source_triangles.rows();
         let buffers = || (Vec::new(), AreaTally::new(product.triangles.len()));
         let row = |(points, tally): &mut (Vec<_>, AreaTally), source| {
             let own = mesh.source_triangles.row(FaceId::new(source));
-            own.iter().for_each(|&face| plan.sample(&locator, face, points, tally));
+            own.iter().for_each(|&face| plan.sample(locator, face, points, tally));
             tally.take()
         };
         let rows: Vec<Vec<CoveredArea>> = (0..source_faces).into_par_iter().map_init(buffers, row).collect();

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use tailor_mesh::connectivity::{CornerId, FaceId, Groups, IdVec};
 
 /// The regions of a baseline.
-pub(super) struct Regions {
+pub(in crate::transfer) struct Regions {
     /// The region of each triangle of the baseline.
     pub of: IdVec<FaceId, u32>,
     /// For each region whether its UVs are connected and unfolded, so that points are located in UV space.

@@ -1,6 +1,5 @@
-//! Guides: unbranched paths of an edge set that are not constraints, and their curves on the baseline.
+//! Guides: unbranched paths of an edge set between its ends and corners, with their curves on the baseline.
 
-use super::polyline::Polyline;
 use crate::sim::Baseline;
 use crate::transfer::topology::edge_key;
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,25 +8,21 @@ use tailor_mesh::subdivide::Numbering;
 
 /// An unbranched path of an edge set.
 pub(super) struct Guide {
-    /// Its vertices on the cage.
+    /// Its vertices on the cage; a loop repeats its first.
     cage: Vec<VertexId>,
-    /// Whether it closes without an end.
-    pub is_loop: bool,
     /// Its vertices on the baseline.
     pub vertices: Vec<VertexId>,
-    pub curve: Polyline,
 }
 
 impl Guide {
-    fn new(baseline: &Baseline, cage: Vec<VertexId>, is_loop: bool) -> Self {
-        let vertices = refined_path(baseline, &cage);
-        let curve = Polyline::new(&vertices, &baseline.points, cage.first() == cage.last());
-        Self { cage, is_loop, vertices, curve }
-    }
-
     /// The first and the last cage vertex.
     pub fn ends(&self) -> [VertexId; 2] {
         [self.cage[0], self.cage[self.cage.len() - 1]]
+    }
+
+    /// Whether it comes back to its first vertex.
+    pub fn is_closed(&self) -> bool {
+        self.cage[0] == self.cage[self.cage.len() - 1]
     }
 
     /// Its edges on the garment, whose point of each cage vertex is in `sources`.
@@ -47,13 +42,13 @@ pub(super) fn guides(
         if !used.insert(edge_key([start, second])) {
             return None;
         }
-        let (mut path, mut here) = (vec![start, second], second);
+        let (mut cage, mut here) = (vec![start, second], second);
         while !is_end(&here) && here != start {
             let Some(&next) = neighbours[&here].iter().find(|&&n| used.insert(edge_key([here, n]))) else { break };
-            path.push(next);
+            cage.push(next);
             here = next;
         }
-        Some(Guide::new(baseline, path, here == start && !is_end(&start)))
+        Some(Guide { vertices: refined_path(baseline, &cage), cage })
     };
     let mut guides = Vec::new();
     for from_ends in [true, false] {

@@ -1,221 +1,155 @@
-//! Paths of edges along curves, by shortest paths in corridors.
+//! Paths of edges along curves: the cheapest way through the vertices around the samples of a curve, in their order
+//! (Viterbi 1967, as in map matching).
 //!
 //! The mesh is remeshed without these curves, so paths of its edges are longer than they are. In a lattice of
 //! equilateral triangles, a line at the angle φ to the nearest edge direction, 0 to 30 degrees, is followed by edges of
 //! two directions. Together they are cos φ + sin φ / √3 times as long: from 1 along edges to 2 / √3 halfway between,
-//! 1.10 on the mean. The excess of a path over that is reported by the shortest path between its ends
-//! (`shortestLength`). Only constraints, which move vertices to the curve, make it shorter.
+//! 1.10 on the mean. Only constraints, which move vertices to the curve, make it shorter.
 
-use super::corridor::{Corridor, CorridorEdge, CorridorVertex};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-use tailor_mesh::connectivity::VertexId;
+use super::EdgeTransfer;
+use super::guide::Guide;
+use crate::sim::{distance_to_segment, half_edge};
+use glam::Vec3;
+use rustc_hash::{FxHashMap, FxHashSet};
+use tailor_mesh::connectivity::{FaceId, VertexId};
 
+/// Samples of a curve in each target length: fewer miss triangles whose corner the curve cuts.
+const SAMPLES: f32 = 4.0;
+/// Most samples between two vertices of the baseline.
+const MAX_SAMPLES: f32 = 4096.0;
 /// Relative cost of an edge one target length off the curve, beyond its length: more follows the curve closer and
-/// zigzags, less is shorter and cuts its corners. The first whose path is as long as the curve is taken.
-const STRAYS: [f64; 3] = [0.5, 0.125, 0.03];
-/// The stray cost of the shortest path.
-const STRAIGHT: f64 = 0.0;
-/// Largest difference in length of a path and its curve, as a share.
-const LENGTH_SLACK: f64 = 0.05;
-/// Least gain in length that is worth straying farther, as a share of the curve's length.
-const LENGTH_GAIN: f64 = 0.005;
+/// zigzags, less is shorter and cuts its corners.
+const STRAY: f32 = 1.0;
+/// Distance from the curve up to which a path may go, in target lengths.
+const REACH: f32 = 0.5;
+/// Cost factor of edges to vertices out of reach.
+const BEYOND: f32 = 4.0;
 /// Cost factor of edges to vertices on a chain or on another path of the set: more keeps curves apart on longer ways.
-const OCCUPIED: f64 = 20.0;
-/// Vertices that the way to a loop may share with the way back before the loop is taken as it is.
-const MAX_AVOIDED: usize = 3;
-/// States of a vertex beside a closed curve: winding numbers -1, 0 and 1.
-const WINDINGS: usize = 3;
-
-/// The least cost of a state, and the state before it.
-type Best = (f64, u32);
-/// The state before the first.
-const NO_STATE: u32 = u32::MAX;
+const OCCUPIED: f32 = 20.0;
 
 /// A path along a curve.
 pub(super) struct EdgePath {
     pub vertices: Vec<VertexId>,
     /// Largest distance of a vertex from the curve, in local target lengths.
     pub farthest: f32,
-    /// Its length, or that of the shortest path between its ends if its own differs from the curve's by more than the
-    /// slack. \[mesh units\]
-    pub shortest: f64,
 }
 
-impl EdgePath {
-    /// Its vertices without its ends; a loop has no ends.
-    pub fn inner(&self, is_loop: bool) -> &[VertexId] {
-        &self.vertices[1..self.vertices.len() - usize::from(!is_loop)]
-    }
-}
-
-/// A search for a path.
-struct PathQuery<'a> {
+/// A vertex around a sample, with the cheapest way there.
+struct State {
+    vertex: VertexId,
+    cost: f32,
+    /// The state before it.
     from: usize,
-    to: usize,
-    /// Least number of vertices.
-    least: usize,
-    /// Vertices that cost more.
-    occupied: &'a [bool],
 }
 
-impl Corridor {
-    /// The vertex nearest to the curve, of those that are not occupied if there are any.
-    pub fn nearest(&self, occupied: &[bool]) -> Option<VertexId> {
-        let key = |(v, &is_occupied): (&CorridorVertex, &bool)| (is_occupied, v.nearest.distance.to_bits(), v.vertex);
-        self.vertices.iter().zip(occupied).map(key).min().map(|k| k.2)
-    }
+/// A search for the paths of one set, in their order. A path avoids those before it.
+pub(super) struct PathSearch<'a> {
+    pub edges: &'a EdgeTransfer<'a>,
+    /// Vertices at ends, on chains and borders of the set, and on paths that are found.
+    pub used: FxHashSet<VertexId>,
+    /// Number of states of all searches.
+    pub visited: usize,
+}
 
-    /// The path of at least `least` vertices between two vertices that follows the curve closest, of those that come
-    /// nearest to its length. Once around a closed curve, from a vertex to itself.
-    pub fn best_path(&self, ends: [VertexId; 2], least: usize, occupied: &[bool]) -> Option<EdgePath> {
-        let [from, to] = [self.index(ends[0])?, self.index(ends[1])?];
-        let paths = self.candidates(&PathQuery { from, to, least, occupied });
-        let least_error = paths.iter().map(|p| self.length_error(p.0)).fold(f64::MAX, f64::min);
-        let gain = if least_error > 0.0 { self.least_gain() } else { 0.0 };
-        let shortest = paths.iter().map(|p| p.0).fold(f64::MAX, f64::min);
-        let best = paths.into_iter().find(|p| self.length_error(p.0) <= least_error + gain);
-        best.map(|(length, path)| EdgePath {
-            farthest: path.iter().map(|&i| self.vertices[i].off).fold(0.0, f32::max),
-            vertices: path.into_iter().map(|i| self.vertices[i].vertex).collect(),
-            shortest: if self.length_error(length) > 0.0 { shortest } else { length },
-        })
-    }
-
-    /// Paths with their lengths, each straying farther from the curve, up to the first of the curve's length.
-    fn candidates(&self, query: &PathQuery<'_>) -> Vec<(f64, Vec<usize>)> {
-        let path = |stray: f64| {
-            let path = self.path_or_loop(query, stray).filter(|p| p.len() >= query.least)?;
-            Some((path.windows(2).map(|p| self.edge_length(p[0], p[1])).sum(), path))
+impl PathSearch<'_> {
+    /// The path along a guide, from and to one of the vertices of each end; once around if the guide is closed.
+    pub fn find(&mut self, guide: &Guide, ends: [&[VertexId]; 2]) -> Option<EdgePath> {
+        let samples = self.samples(guide);
+        let off = self.offsets(&samples);
+        let factor = |v: VertexId| {
+            let own = off.get(&v).copied().unwrap_or(0.0);
+            (1.0 + STRAY * own * own) * if own > REACH { BEYOND } else { 1.0 }
         };
-        let is_found = |paths: &[(f64, _)]| paths.last().is_some_and(|p| self.length_error(p.0) == 0.0);
-        let mut paths: Vec<(f64, Vec<usize>)> = path(STRAYS[0]).into_iter().collect();
-        if is_found(&paths) {
-            return paths;
+        let own = ends.concat();
+        let is_free = |v| own.contains(&v) || !(self.used.contains(&v) || self.edges.is_constrained[v]);
+        let start = |(from, &vertex): (usize, &VertexId)| State { vertex, cost: 0.0, from };
+        let mut states: Vec<State> = ends[0].iter().enumerate().map(start).collect();
+        let mut before = 0..states.len();
+        for around in samples.iter().map(|s| s.1.as_slice()).chain([ends[1]]) {
+            let first = states.len();
+            for &vertex in around {
+                let way = |from: usize| {
+                    let State { vertex: other, cost, .. } = states[from];
+                    if other == vertex {
+                        return Some((cost, from));
+                    }
+                    self.edges.map.mesh.topology.find_edge(other, vertex)?;
+                    let points = &self.edges.map.product.points;
+                    let step = points[other].distance(points[vertex]) * 0.5 * (factor(other) + factor(vertex));
+                    Some((cost + step * if is_free(vertex) { 1.0 } else { OCCUPIED }, from))
+                };
+                let best = before.clone().filter_map(way).min_by(|a, b| a.0.total_cmp(&b.0));
+                states.extend(best.map(|(cost, from)| State { vertex, cost, from }));
+            }
+            before = first..states.len();
         }
-        let straight = path(STRAIGHT);
-        // Paths between two of nearly the same length gain nothing.
-        let is_straight = |s: &(f64, _)| paths.first().is_some_and(|p| p.0 - s.0 <= self.least_gain());
-        if !straight.as_ref().is_some_and(is_straight) {
-            for &stray in &STRAYS[1..] {
-                paths.extend(path(stray));
-                if is_found(&paths) {
-                    break;
+        self.visited += states.len();
+        let last = before.min_by(|&a, &b| states[a].cost.total_cmp(&states[b].cost))?;
+        let vertices = trace(&states, last, guide.is_closed());
+        self.used.extend(&vertices);
+        let farthest = vertices.iter().filter_map(|v| off.get(v)).copied().fold(0.0, f32::max);
+        (vertices.len() > if guide.is_closed() { 3 } else { 1 }).then_some(EdgePath { vertices, farthest })
+    }
+
+    /// Points along a guide with the vertices around each.
+    fn samples(&self, guide: &Guide) -> Vec<(Vec3, Vec<VertexId>)> {
+        let base = &self.edges.map.product.baseline;
+        let mut samples = Vec::new();
+        for pair in guide.vertices.windows(2) {
+            let (forward, back) =
+                (half_edge(&base.topology, pair[0], pair[1]), half_edge(&base.topology, pair[1], pair[0]));
+            let Some(half) = forward.or(back) else { continue };
+            let (from, to) = (base.points[pair[0]], base.points[pair[1]]);
+            let target = base.target[pair[0]].min(base.target[pair[1]]);
+            let count = (SAMPLES * from.distance(to) / target).min(MAX_SAMPLES).ceil().max(1.0) as usize;
+            let (face, k) = (FaceId::new(half.index() / 3), half.index() % 3);
+            for i in 0..=count {
+                let t = i as f32 / count as f32;
+                let t_half = if forward.is_some() { t } else { 1.0 - t };
+                let weights = Vec3::AXES[k] * (1.0 - t_half) + Vec3::AXES[(k + 1) % 3] * t_half;
+                if let Some((face, _)) = self.edges.locator.place(face, weights) {
+                    samples.push((from.lerp(to, t), self.edges.around(face).collect()));
                 }
             }
         }
-        paths.extend(straight);
-        paths
+        samples
     }
 
-    /// Difference in length from the curve beyond the slack. \[mesh units\]
-    fn length_error(&self, length: f64) -> f64 {
-        let wanted = f64::from(self.length);
-        ((length - wanted).abs() - LENGTH_SLACK * wanted).max(0.0)
-    }
-
-    /// \[mesh units\]
-    fn least_gain(&self) -> f64 {
-        LENGTH_GAIN * f64::from(self.length)
-    }
-
-    /// \[mesh units\]
-    fn edge_length(&self, a: usize, b: usize) -> f64 {
-        let edge = self.edges_of(a).iter().find(|e| e.to as usize == b);
-        edge.expect("consecutive vertices of a path share an edge").length
-    }
-
-    /// The cheapest path. Around a closed curve, a loop through its first vertex if there is one, since other paths may
-    /// end there.
-    fn path_or_loop(&self, query: &PathQuery<'_>, stray: f64) -> Option<Vec<usize>> {
-        let mut avoided = Vec::new();
-        loop {
-            let path = self.path(query, stray, &avoided)?;
-            if path[0] == query.from || avoided.len() == MAX_AVOIDED {
-                return Some(path);
-            }
-            // The ways there and back share this vertex.
-            avoided.push(path[0]);
-        }
-    }
-
-    /// The cheapest path, by Dijkstra's algorithm over vertices and winding numbers.
-    fn path(&self, query: &PathQuery<'_>, stray: f64, avoided: &[usize]) -> Option<Vec<usize>> {
-        let PathQuery { from, to, least, occupied } = *query;
-        let windings = self.windings();
-        let (start, goal) = (from * windings + windings / 2, to * windings + windings - 1);
-        let mut best: Vec<Best> = vec![(f64::INFINITY, NO_STATE); windings * self.vertices.len()];
-        best[start].0 = 0.0;
-        // The bits of costs, which are not negative, sort as the costs do.
-        let mut queue = BinaryHeap::from([Reverse((0u64, start as u32))]);
-        while let Some(Reverse((bits, state))) = queue.pop() {
-            let (cost, here, winding) = (f64::from_bits(bits), state as usize / windings, state as usize % windings);
-            if state as usize == goal {
-                return Some(self.trace(&best, goal));
-            }
-            if cost > best[state as usize].0 {
-                continue;
-            }
-            for edge in self.edges_of(here) {
-                let there = edge.to as usize;
-                if least > 2 && here == from && there == to {
-                    continue;
-                }
-                let winding = (winding + self.winding_step(here, there)).checked_sub(1).filter(|w| *w < windings);
-                let Some(winding) = winding else { continue };
-                let is_occupied = (occupied[there] || avoided.contains(&there)) && there != to && there != from;
-                let sum = cost + edge.cost(stray) * if is_occupied { OCCUPIED } else { 1.0 };
-                let next = there * windings + winding;
-                if sum < best[next].0 {
-                    best[next] = (sum, state);
-                    queue.push(Reverse((sum.to_bits(), next as u32)));
-                }
+    /// The distance from the curve of each vertex around it, in target lengths.
+    fn offsets(&self, samples: &[(Vec3, Vec<VertexId>)]) -> FxHashMap<VertexId, f32> {
+        let product = self.edges.map.product;
+        let mut off: FxHashMap<VertexId, f32> = FxHashMap::default();
+        for pair in samples.windows(2) {
+            for &vertex in pair.iter().flat_map(|s| &s.1) {
+                let own = distance_to_segment(product.points[vertex], pair[0].0, pair[1].0) / product.target[vertex];
+                off.entry(vertex).and_modify(|least| *least = least.min(own)).or_insert(own);
             }
         }
-        None
-    }
-
-    /// Number of states of a vertex.
-    fn windings(&self) -> usize {
-        if self.is_closed { WINDINGS } else { 1 }
-    }
-
-    /// One plus the change of the winding number over an edge, which passes the start of a closed curve backwards, not,
-    /// or forwards.
-    fn winding_step(&self, a: usize, b: usize) -> usize {
-        let (step, half) = (self.vertices[b].nearest.s - self.vertices[a].nearest.s, 0.5 * self.length);
-        match self.is_closed {
-            true if step < -half => 2,
-            true if step > half => 0,
-            _ => 1,
-        }
-    }
-
-    /// The path to a state. Around a closed curve only the loop, without the way to it.
-    fn trace(&self, best: &[Best], goal: usize) -> Vec<usize> {
-        let mut states = vec![goal];
-        while let Some(&(_, before)) = states.last().map(|&s| &best[s]).filter(|b| b.1 != NO_STATE) {
-            states.push(before as usize);
-        }
-        states.reverse();
-        let windings = self.windings();
-        let mut path: Vec<usize> = Vec::with_capacity(states.len());
-        for state in states {
-            if let Some(first) = path.iter().position(|s| s / windings == state / windings) {
-                if self.is_closed && path[first] != state {
-                    path.push(state);
-                    return path[first..].iter().map(|s| s / windings).collect();
-                }
-                path.truncate(first);
-            }
-            path.push(state);
-        }
-        path.into_iter().map(|s| s / windings).collect()
+        off
     }
 }
 
-impl CorridorEdge {
-    fn cost(&self, stray: f64) -> f64 {
-        self.length * (1.0 + stray * f64::from(self.off))
+/// The vertices on the way to a state, each once; around a closed curve the first one is repeated at the end.
+fn trace(states: &[State], last: usize, is_closed: bool) -> Vec<VertexId> {
+    let mut way = vec![states[last].vertex];
+    let mut at = last;
+    while states[at].from != at {
+        at = states[at].from;
+        way.push(states[at].vertex);
     }
+    way.dedup();
+    way.reverse();
+    let closing = way.pop_if(|_| is_closed);
+    let mut path: Vec<VertexId> = Vec::with_capacity(way.len());
+    let mut index: FxHashMap<VertexId, usize> = FxHashMap::default();
+    for vertex in way {
+        if let Some(&first) = index.get(&vertex) {
+            // The way comes back here.
+            path.drain(first..).for_each(|v| _ = index.remove(&v));
+        }
+        index.insert(vertex, path.len());
+        path.push(vertex);
+    }
+    path.extend(closing);
+    path
 }

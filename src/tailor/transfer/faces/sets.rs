@@ -10,6 +10,8 @@ use tailor_mesh::garment::{Elements, Family, FamilyType, Mesh, Subset};
 pub(in crate::transfer) struct FaceSets {
     /// The faces of each of the garment's subsets, ascending; empty for subsets of edges or points.
     pub sets: Vec<Vec<FaceId>>,
+    /// The subsets of faces by their indices, in groups of sets that do not overlap.
+    pub groups: Vec<Vec<usize>>,
     /// Number of isolated faces that were moved to a neighbour's set.
     pub islands: usize,
 }
@@ -24,14 +26,15 @@ type Labels = IdVec<FaceId, Option<u32>>;
 pub(in crate::transfer) fn carry_sets(garment: &Mesh, map: &Correspondence<'_>, clean: bool) -> FaceSets {
     let is_exclusive = |f: &&Family| f.kind != FamilyType::Unrestricted && !f.name.is_empty();
     let exclusive: Vec<_> = garment.families.iter().filter(is_exclusive).collect();
+    let is_alone = |subset: &Subset| exclusive.iter().all(|f| f.name != subset.family);
     let carry = |subset: &Subset| match &subset.elements {
-        Elements::Faces(source) if exclusive.iter().all(|f| f.name != subset.family) => {
-            independent_set(source, map, clean)
-        }
+        Elements::Faces(source) if is_alone(subset) => independent_set(source, map, clean),
         _ => (Vec::new(), 0),
     };
     let (mut sets, islands): (Vec<_>, Vec<usize>) = garment.subsets.par_iter().map(carry).unzip();
     let mut islands = islands.iter().sum();
+    let alone = garment.subsets.iter().enumerate().filter(|(_, subset)| is_alone(subset));
+    let mut groups: Vec<Vec<usize>> = alone.map(|(i, _)| vec![i]).collect();
     for family in exclusive {
         let members = garment.subsets.iter().enumerate().filter_map(|(i, s)| match &s.elements {
             Elements::Faces(faces) if s.family == family.name => Some((i, faces.as_slice())),
@@ -44,8 +47,9 @@ pub(in crate::transfer) fn carry_sets(garment: &Mesh, map: &Correspondence<'_>, 
         for (face, label) in labels.enumerated() {
             label.iter().for_each(|&l| sets[members[l as usize]].push(face));
         }
+        groups.push(members);
     }
-    FaceSets { sets, islands }
+    FaceSets { sets, groups, islands }
 }
 
 /// The faces of which a set covers the most, and the number of isolated ones among them that were moved.

@@ -4,13 +4,14 @@ mod named;
 mod warnings;
 
 use super::correspondence::Correspondence;
+use super::coverage::Locator;
 use super::edges::{CarriedEdges, EdgeTransfer};
-use super::faces::{FaceSets, carry_sets};
+use super::faces::carry_sets;
 use crate::contact::NearestSearch;
-use crate::sim::{SimOptions, SimProduct};
+use crate::sim::SimOptions;
 use glam::{DVec3, Vec3};
 use std::sync::LazyLock;
-use tailor_mesh::connectivity::{IdVec, Topology, VertexId};
+use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::error::Warnings;
 use tailor_mesh::garment::{Elements, Family, FamilyType, Mesh, Subset};
 
@@ -32,11 +33,8 @@ pub struct SetCurve {
     pub length: f64,
     /// Largest distance from it of the subset on the simulation mesh, in local target lengths.
     pub farthest: f32,
-    /// Triangles and vertices that the searches for its edges visited.
+    /// Number of vertices that the searches for its edges visited.
     pub visited: usize,
-    /// Length of the subset on the simulation mesh, with the shortest path within reach in place of each path that is
-    /// too long. \[mesh units\]
-    pub shortest: f64,
 }
 
 impl SetCurve {
@@ -46,32 +44,7 @@ impl SetCurve {
             length: carried.source_length,
             farthest: carried.farthest,
             visited: carried.visited,
-            shortest: carried.shortest,
         }
-    }
-}
-
-/// The edge sets on the simulation mesh, which need no samples.
-pub(super) struct EdgeSets<'a> {
-    edges: EdgeTransfer<'a>,
-    /// The subsets of the garment, then those of its creases and corners.
-    sources: Vec<Subset>,
-    /// For each of the sources its edges; empty for faces and points.
-    carried: Vec<CarriedEdges>,
-}
-
-impl<'a> EdgeSets<'a> {
-    /// `topology` is that of the simulation mesh.
-    pub fn new(garment: &Mesh, product: &'a SimProduct, topology: &'a Topology) -> Self {
-        let mut sources = garment.subsets.to_vec();
-        sources.extend(named::sharp_sets(garment));
-        let edges = EdgeTransfer::new(product, topology, garment.points.len());
-        let sets = sources.iter().map(|s| match &s.elements {
-            Elements::Edges(edges) => edges.as_slice(),
-            _ => &[],
-        });
-        let carried = edges.carry_all(&sets.collect::<Vec<_>>());
-        Self { edges, sources, carried }
     }
 }
 
@@ -79,18 +52,25 @@ impl<'a> EdgeSets<'a> {
 pub(super) fn carry_all(
     garment: &Mesh,
     map: &Correspondence<'_>,
+    locator: &Locator<'_>,
     options: &SimOptions,
-    edge_sets: EdgeSets<'_>,
 ) -> (CarriedSubsets, Warnings) {
-    let EdgeSets { edges, sources, carried } = edge_sets;
-    let FaceSets { sets: mut face_sets, islands } = carry_sets(garment, map, options.clean_islands);
-    let mut warnings = Warnings::from_iter(warnings::of_small_sets(garment, &face_sets, map.coverage));
+    let mut face_sets = carry_sets(garment, map, options.clean_islands);
+    let mut warnings = Warnings::from_iter(warnings::of_small_sets(garment, &face_sets.sets, map.coverage));
+    let mut sources = garment.subsets.to_vec();
+    sources.extend(named::sharp_sets(garment));
+    let sets = sources.iter().map(|s| match &s.elements {
+        Elements::Edges(edges) => edges.as_slice(),
+        _ => &[],
+    });
+    let edges = EdgeTransfer::new(map, locator, garment.points.len(), options);
+    let carried = edges.carry_all(garment, &face_sets, &sets.collect::<Vec<_>>());
     let nearest = LazyLock::new(|| NearestPoint::new(&map.product.points));
     let (mut subsets, mut curves) = (Vec::with_capacity(sources.len() + 2), Vec::new());
     for (i, (source, carried)) in sources.into_iter().zip(carried).enumerate() {
         let elements = match &source.elements {
             Elements::Faces(faces) => {
-                let set = std::mem::take(&mut face_sets[i]);
+                let set = std::mem::take(&mut face_sets.sets[i]);
                 warnings.extend((set.is_empty() && !faces.is_empty()).then(|| warnings::of_lost_set(&source)));
                 Elements::Faces(set)
             }
@@ -105,7 +85,7 @@ pub(super) fn carry_all(
     }
     subsets.extend(named::constraint_sets(garment, map.product));
     let families = families(garment, &subsets);
-    (CarriedSubsets { subsets, families, curves, islands }, warnings)
+    (CarriedSubsets { subsets, families, curves, islands: face_sets.islands }, warnings)
 }
 
 /// The families of the garment, then those of our own subsets. A family of edges or points is unrestricted, because a

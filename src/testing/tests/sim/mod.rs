@@ -1,6 +1,7 @@
 //! The simulation mesh: its options, on small sheets and on garments.
 
 mod bounds;
+mod details;
 mod on_garments;
 mod options;
 mod rims;

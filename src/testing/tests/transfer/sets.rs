@@ -16,13 +16,13 @@ use tailor_usd::{ReadOptions, Source};
 /// Without UVs, so that no border of a set is a constraint.
 pub const FREE: [&str; 2] = ["sim.uvSet=", "sim.constraints="];
 
-fn with_faces(mut input: Garment, name: &str, family: &str, indices: Vec<i32>) -> Garment {
+pub fn with_faces(mut input: Garment, name: &str, family: &str, indices: Vec<i32>) -> Garment {
     let (element_type, family) = ("face".into(), family.into());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
     input
 }
 
-fn faces(mesh: &Mesh, name: &str) -> Vec<FaceId> {
+pub fn faces(mesh: &Mesh, name: &str) -> Vec<FaceId> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Faces(faces)) => faces.clone(),
         other => panic!("{name}: {other:?}"),
@@ -145,8 +145,8 @@ const BELOW: [(&str, &str, f64); 7] = [
 /// A line crosses some 2.3 triangles of 0.43 there, and leaves an eighth of each on its other side.
 const MOST_BESIDE: f64 = 0.12;
 
-/// Number and length of the edges between the faces of a set and others.
-fn border(garment: &Mesh, set: &[FaceId]) -> (usize, f64) {
+/// The edges between the faces of a set and others, the lower vertex first.
+pub fn border_edges(garment: &Mesh, set: &[FaceId]) -> BTreeSet<[VertexId; 2]> {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let own: BTreeSet<FaceId> = set.iter().copied().collect();
     let is_between = |e: &EdgeId| {
@@ -154,8 +154,13 @@ fn border(garment: &Mesh, set: &[FaceId]) -> (usize, f64) {
         let first = faces.next();
         faces.any(|is_own| Some(is_own) != first)
     };
-    let length = |e: EdgeId| f64::from(garment.points[t.edges[e][0]].distance(garment.points[t.edges[e][1]]));
-    t.edges.ids().filter(is_between).fold((0, 0.0), |(count, sum), e| (count + 1, sum + length(e)))
+    t.edges.ids().filter(is_between).map(|e| t.edges[e]).map(|[a, b]| [a.min(b), a.max(b)]).collect()
+}
+
+/// Number and length of the edges between the faces of a set and others.
+fn border(garment: &Mesh, set: &[FaceId]) -> (usize, f64) {
+    let length = |[a, b]: [VertexId; 2]| f64::from(garment.points[a].distance(garment.points[b]));
+    border_edges(garment, set).into_iter().fold((0, 0.0), |(count, sum), edge| (count + 1, sum + length(edge)))
 }
 
 #[test]
