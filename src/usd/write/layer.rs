@@ -318,6 +318,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         }
     }
     for (i, product) in products.iter().enumerate() {
+        product.name.split('/').try_for_each(|name| check_name(product.role.name_flag(), name))?;
         if is_taken(model, product.sibling()) || products[..i].iter().any(|p| p.name == product.name) {
             return Err(taken(model, product.sibling(), product.role)?);
         }
