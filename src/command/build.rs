@@ -139,6 +139,8 @@ pub fn run(build: &Build) -> Result<Output, Error> {
 
 /// Each input with its output: `-o` itself, or a file in it if it is a folder.
 fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
+    check_name("--sim-name", &build.sim_name)?;
+    check_name("--render-name", &build.render_name)?;
     let files = build.inputs.files()?;
     let out = &build.output;
     if !is_folder(build, files.len()) {
@@ -233,8 +235,6 @@ fn built(
         let openings = variants::open(build, input)?;
         check_target(&openings[0].garments[0].source, output, build.force).map(|()| openings)
     })?;
-    check_name("--sim-name", &build.sim_name)?;
-    check_name("--render-name", &build.render_name)?;
     let (mut sources, mut checked) = (Vec::new(), Vec::new());
     timed("check", &mut timings, || {
         for Opening { variant, garments } in openings {

@@ -48,7 +48,7 @@ impl<'a> Anchor<'a> {
     }
 }
 
-/// What is between the path of a layer and its arguments.
+/// The separator of a layer's path and its arguments.
 pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
 /// Arguments behind the path of a text layer that is handed over as a crate: the library takes a file `.usda` for text, and
@@ -181,10 +181,12 @@ pub fn unwritable(path: &str) -> Option<&'static str> {
 
 /// The part of a path that OpenUSD does not open a file by.
 pub fn unreadable(path: &str) -> Option<&'static str> {
-    // OpenUSD takes a backslash for a slash on every system.
-    let known =
-        [(ARGUMENTS, "`:SDF_FORMAT_ARGS:`"), ("\\", "a backslash")].into_iter().take(1 + usize::from(cfg!(unix)));
-    known.filter(|(part, _)| path.contains(part)).map(|(_, what)| what).next().or_else(|| unwritable(path))
+    match () {
+        () if path.contains(ARGUMENTS) => Some("`:SDF_FORMAT_ARGS:`"),
+        // OpenUSD takes it for a slash on every system.
+        () if cfg!(unix) && path.contains('\\') => Some("a backslash"),
+        () => unwritable(path),
+    }
 }
 
 /// An asset path, unless OpenUSD could not read it back.

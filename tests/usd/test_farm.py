@@ -58,9 +58,11 @@ def test_paths_and_lines_of_the_list_are_no_code(usdtailor, tmp_path):
     out.mkdir()
     options = "--set render.level=1 ; touch ran $(touch ran)"
     parameters = {"Garments": folder / "garments.txt", "Lines": "1-3", "Out": out, "Program": usdtailor}
-    run = lambda **more: openjd(
-        "run", TEMPLATE, "--step", "Build", *(part for each in {**parameters, **more}.items() for part in ("-p", "=".join(map(str, each))))
-    )
+
+    def run(**more):
+        given = [part for name, value in {**parameters, **more}.items() for part in ("-p", f"{name}={value}")]
+        return openjd("run", TEMPLATE, "--step", "Build", *given)
+
     # A line that looks like an option is a file that is not there.
     assert run().returncode != 0
     assert builds(out) == [(str(files[0]), "built"), ("--help", "failed"), (str(files[1]), "built")]

@@ -369,8 +369,7 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
     let own = model.name().replace('/', "_");
     let text = format!("{} was made from {}, which it would hide", path?, other?);
-    let remedy = "give each garment names of its own, such as";
-    Err(name_fault(text, &format!("{remedy} --sim-name {own}_sim --render-name {own}_render")))
+    Err(name_fault(text, &format!("give it names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
 }
 
 /// A layer over the input, without products.

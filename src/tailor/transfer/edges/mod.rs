@@ -61,7 +61,7 @@ type Ends = BTreeMap<VertexId, Vec<VertexId>>;
 #[derive(Default)]
 struct Parts {
     on_chains: ChainEdges,
-    /// Those that bound a face set, with its group.
+    /// The edges that bound a face set, each with the group of that set.
     on_borders: Vec<(usize, EdgeId)>,
     /// For each cage vertex its neighbours by the other edges.
     free: BTreeMap<VertexId, Vec<VertexId>>,

@@ -101,8 +101,7 @@ impl OutputFile {
         })?;
         let named = as_named(out)?;
         if let Some(what) = unreadable(&named) {
-            let text = format!("has {what} in its path");
-            return fault(codes::OUTPUT_PATH, &text, "OpenUSD could not open it: name it otherwise");
+            return fault(codes::OUTPUT_PATH, &format!("has {what} in its path"), "name it otherwise for OpenUSD");
         }
         let named = PathBuf::from(named);
         let file = real_folder.join(file.file_name().expect("a path with a known extension has a file name"));
