@@ -9,7 +9,7 @@
 use super::queue::edges;
 use super::valence::ValenceExcess;
 use crate::sim::geometry::smallest_angle_cosine;
-use crate::sim::sim_mesh::SimMesh;
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use rayon::prelude::*;
 use tailor_mesh::connectivity::CornerId;
 use tailor_mesh::connectivity::edit::{next, prev};
@@ -18,6 +18,9 @@ use tailor_mesh::connectivity::edit::{next, prev};
 /// relaxation does not repair worse. A smaller bound gives 1 to 2 % more regular vertices, and on some garments crushed
 /// triangles beside chains; 30 degrees gives 3 % fewer.
 const MIN_ANGLE_COSINE: f32 = 0.906_31;
+/// The cosine of 12 degrees: the bound where an end of the edge is on a chain. With 25 degrees there, pairs stay beside chains,
+/// and up to 4 % more of the vertices on chains are irregular.
+const MIN_ANGLE_COSINE_AT_CHAINS: f32 = 0.978_15;
 /// Flips without gain before the one that gains. With one, 1.5 % fewer vertices are regular, and with two the 5th percentile
 /// of the smallest angle is 0.1 degrees less; with four it is 0.2 degrees more for 2 % of the time.
 const STEPS: usize = 3;
@@ -78,7 +81,9 @@ fn may_drift(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|c| mesh.corner(c).0);
     let worse = |s, t| smallest_angle_cosine(s).max(smallest_angle_cosine(t));
-    worse([c, d, b], [d, c, a]) <= worse([a, b, c], [b, a, d]).max(MIN_ANGLE_COSINE)
+    let at_chain = [half, twin].iter().any(|&c| mesh.constraint[mesh.topology.vertex(c)] != VertexConstraint::Free);
+    let most = if at_chain { MIN_ANGLE_COSINE_AT_CHAINS } else { MIN_ANGLE_COSINE };
+    worse([c, d, b], [d, c, a]) <= worse([a, b, c], [b, a, d]).max(most)
         && mesh.may_flip(half)
         && mesh.flip_is_safe(half)
 }

@@ -6,8 +6,8 @@ use super::valence::ValenceExcess;
 use crate::sim::sim_mesh::SimMesh;
 use glam::Vec3;
 use rayon::prelude::*;
-use tailor_mesh::connectivity::CornerId;
 use tailor_mesh::connectivity::edit::{next, prev};
+use tailor_mesh::connectivity::{CornerId, VertexId};
 
 /// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
 const MAX_SWEEPS: usize = 8;
@@ -33,26 +33,35 @@ fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess, regularit
     };
     let mut candidates: Vec<CornerId> = edges(mesh).filter(|&h| wants_flip(mesh, excess, h)).collect();
     let mut count = 0;
-    let mut touched = Vec::new();
     for _ in 0..MAX_SWEEPS {
-        for &half in &candidates {
+        let mut touched = Vec::new();
+        for half in candidates {
             let Some(twin) = mesh.topology.twin(half) else { continue };
             if wants_flip(mesh, excess, half) && mesh.may_flip(half) && mesh.flip_is_safe(half) {
                 excess.flip(mesh, half);
                 count += 1;
-                touched.extend([half, twin].into_iter().flat_map(|c| [next(c), prev(c)]));
+                touched.extend([half, twin, prev(half), prev(twin)].map(|c| mesh.topology.vertex(c)));
             }
         }
         if touched.is_empty() {
             break;
         }
-        touched.sort_unstable();
-        touched.dedup();
-        std::mem::swap(&mut candidates, &mut touched);
-        touched.clear();
+        candidates = inner_edges_around(mesh, touched);
     }
     mesh.debug_check();
     count
+}
+
+/// The inner edges at some vertices and opposite to them: their gains depend on the valences of these vertices.
+fn inner_edges_around(mesh: &SimMesh<'_>, mut vertices: Vec<VertexId>) -> Vec<CornerId> {
+    vertices.sort_unstable();
+    vertices.dedup();
+    let t = &mesh.topology;
+    let corners = vertices.into_iter().flat_map(|v| t.fan(v)).flat_map(|c| [c, next(c)]);
+    let mut edges: Vec<CornerId> = corners.filter_map(|c| Some(c.min(t.twin(c)?))).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    edges
 }
 
 /// The gain of flipping an edge, in sines.

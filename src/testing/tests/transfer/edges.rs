@@ -187,11 +187,11 @@ fn free_curves_keep_their_corners_and_fingers() {
             let built = build(input.clone(), &[uv, &format!("sim.maxEdgeLength={length}")]);
             let target = length.parse().unwrap_or(1.0);
             let [path, back] = distances(&input, &built, name, &curve, target);
-            assert!(path <= 0.6 && back <= 0.6, "{name}, {uv} {length}: {path} from the curve, {back} back");
+            assert!(path <= 0.75 && back <= 0.6, "{name}, {uv} {length}: {path} from the curve, {back} back");
             let figures = built.products.sim_figures();
             let set = figures.edge_sets.iter().find(|e| e.name == name).expect("figures");
             let share = set.length / set.source_length;
-            assert!((0.9..1.2).contains(&share), "{name}, {uv} {length}: {share} of the length");
+            assert!((0.9..1.25).contains(&share), "{name}, {uv} {length}: {share} of the length");
         }
     }
 }
