@@ -5,7 +5,7 @@ use crate::codes;
 use serde::{Deserialize, Serialize};
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::{Mesh, Subset};
-use tailor_mesh::options::{Domain, Given, OptionValue, options};
+use tailor_mesh::options::{Domain, OptionValue, options};
 
 /// The dialects of USD physics that can be written.
 pub const DIALECTS: &[&str] = &["aousd", "omni", "chaos"];
@@ -23,11 +23,7 @@ pub enum RestShape {
     Panels,
 }
 
-impl OptionValue for RestShape {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for RestShape {}
 
 options! {
     /// Options of this garment as simulated cloth.

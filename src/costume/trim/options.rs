@@ -1,7 +1,7 @@
 //! Options of a trim.
 
 use serde::{Deserialize, Serialize};
-use tailor_mesh::options::{Domain, Given, OptionValue, options};
+use tailor_mesh::options::{Domain, OptionValue, options};
 
 /// How a trim rides on cloth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,11 +18,7 @@ pub enum TrimMode {
     None,
 }
 
-impl OptionValue for TrimMode {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for TrimMode {}
 
 options! {
     /// Prims that ride on the cloth and are not cloth, such as buttons, buckles, zips and patches.

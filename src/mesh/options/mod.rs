@@ -72,18 +72,16 @@ pub enum Given<'a> {
 
 /// A type that options have.
 pub trait OptionValue {
-    /// The value.
-    fn given(&self) -> Given<'_>;
+    /// The value; by default one that needs no check.
+    fn given(&self) -> Given<'_> {
+        Given::Known
+    }
 
     /// Replaces a length of 0.
     fn replace_zero(&mut self, _length: f32) {}
 }
 
-impl OptionValue for bool {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for bool {}
 
 impl OptionValue for f32 {
     fn given(&self) -> Given<'_> {

@@ -33,7 +33,7 @@ use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Elements, Mesh, Orientation, Subset, Values};
-use tailor_mesh::options::{Domain, Given, OptionValue, options};
+use tailor_mesh::options::{Domain, OptionValue, options};
 use tailor_mesh::subdivide::{Level, Stencils};
 
 /// Distance of the support loop from the fold, as a share of the thickness. Smaller makes the fold tighter.
@@ -62,11 +62,7 @@ pub enum Side {
     Outer,
 }
 
-impl OptionValue for Side {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for Side {}
 
 options! {
     /// A second layer of the render mesh, folded over at the border of the mesh.
@@ -342,6 +338,7 @@ impl Operator for Fold {
             distance: IdVec::filled(SUPPORT_DISTANCE * self.options.thickness, t.faces.corners().len()),
             tapers: IdVec::filled(false, t.vertex_count()),
             ends: ends.joined.clone(),
+            flat: IdVec::filled(false, t.vertex_count()),
             taper_length: IdVec::filled(TAPER_LENGTH * self.options.thickness, t.edges.len()),
             cuttable: chosen.clone(),
             shares: &[1.0],

@@ -104,6 +104,8 @@ pub struct OperatorInput<'a> {
     pub clearance: &'a IdVec<VertexId, Clearance>,
     /// The vertex of the input garment at or beside each vertex, for messages.
     pub inputs: &'a Arc<IdVec<VertexId, VertexId>>,
+    /// True for faces of hems and inner layers, which cover the operators that run below them.
+    pub covers: &'a IdVec<FaceId, bool>,
     /// True if operators add face subsets of their new faces.
     pub names_sets: bool,
 }
@@ -298,17 +300,26 @@ pub struct Ancestry {
     pub level: Arc<Level>,
     /// Ancestor of each face in the garment.
     pub faces: Arc<IdVec<FaceId, FaceId>>,
+    /// True for faces of hems and inner layers.
+    pub covers: Arc<IdVec<FaceId, bool>>,
 }
 
 impl Ancestry {
     /// The data after an operator.
     fn carried(&self, output: &OperatorOutput) -> Self {
         let is_copy = output.index(|role| role.original().is_some()).iter().map(Option::is_some).collect();
-        let parents = output.derivation.faces.ids().map(|face| output.derivation.parent_face(face));
+        let is_inner = output.index(|role| matches!(role, ControlRole::Copy { side, .. } if side < 0.0));
+        let faces = &output.derivation.faces;
+        let covers = |face| {
+            let is_new = faces.vertices_of(face).iter().any(|&v| is_inner[v].is_some());
+            is_new || self.covers[output.derivation.parent_face(face)]
+        };
+        let parents = faces.ids().map(|face| output.derivation.parent_face(face));
         Self {
             clearance: Arc::new(output.carried_clearance(&self.clearance)),
             reference: Arc::new(self.reference.carried(&output.derivation, &is_copy)),
             faces: Arc::new(parents.map(|face| self.faces[face]).collect()),
+            covers: Arc::new(faces.ids().map(covers).collect()),
             ..self.clone()
         }
     }

@@ -41,7 +41,7 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use tailor_mesh::error::{Error, Warning, WarningCode, Warnings, counted};
+use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Mesh, Orientation, Subset};
 
 impl OperatorOptions for SeamOptions {
@@ -72,19 +72,14 @@ impl Seams {
         let mut warnings = Warnings::default();
         for (number, (name, _)) in self.seams.iter().enumerate() {
             let label = format!("seam.{name}");
-            let edges = |code: WarningCode, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
-                let ends = cage.input_edges(edges.iter().map(|&e| network.ends(e)));
-                let warning = Warning::new(code, &label, format!("{} {problem}", counted(ends.len(), "edge", "edges")));
-                (!edges.is_empty()).then(|| warning.at(ends).remedy(remedy))
-            };
-            let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
-            let problem = "in an earlier seam too, which keeps them";
-            warnings.extend(edges(
-                codes::SHARED_SEAM_EDGES,
-                shared,
-                problem,
-                "Remove them from one of the two edge sets",
-            ));
+            let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| network.ends(s.0));
+            let shared = cage.input_edges(shared);
+            if !shared.is_empty() {
+                let count = counted(shared.len(), "edge", "edges");
+                let problem = format!("{count} in an earlier seam too, which keeps them");
+                let warning = Warning::new(codes::SHARED_SEAM_EDGES, &label, problem).at(shared);
+                warnings.push(warning.remedy("Remove them from one of the two edge sets"));
+            }
             let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
             let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
@@ -145,6 +140,18 @@ impl Seams {
             (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
         super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect())
+    }
+
+    /// True for vertices of edges on hems and inner layers, which cover seams that are not to go through.
+    fn flat(&self, cage: &OperatorInput, network: &Network) -> IdVec<VertexId, bool> {
+        let t = &cage.level.topology;
+        let is_covered = |edge: &EdgeId| {
+            network.seam[*edge].is_some_and(|seam| !self.seams[seam].1.through)
+                && t.edge_corners.row(*edge).iter().all(|&c| cage.covers[t.faces.face_of(c)])
+        };
+        let mut flat = IdVec::filled(false, t.vertex_count());
+        t.edges.ids().filter(is_covered).flat_map(|edge| t.edges[edge]).for_each(|v| flat[v] = true);
+        flat
     }
 
     /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
@@ -214,6 +221,7 @@ impl Operator for Seams {
             distance: self.distances(cage, &network),
             tapers: network.tapers.clone(),
             ends: IdVec::filled(false, t.vertex_count()),
+            flat: self.flat(cage, &network),
             taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.width)).collect(),
             cuttable: IdVec::filled(true, t.faces.len()),
             shares: &profile::LINES,
@@ -316,7 +324,14 @@ mod tests {
         let seams = Seams { seams: vec![seam("first"), seam("second")] };
         let (inputs, level) = (Arc::new(garment.points.ids().collect::<IdVec<_, _>>()), Level::base(&garment));
         let clearance = &IdVec::filled(UNBOUNDED, inputs.len());
-        let cage = OperatorInput { garment: &garment, level: &level, clearance, inputs: &inputs, names_sets: false };
+        let cage = OperatorInput {
+            garment: &garment,
+            level: &level,
+            clearance,
+            inputs: &inputs,
+            covers: &IdVec::filled(false, garment.faces.len()),
+            names_sets: false,
+        };
         let output = seams.apply(&cage).expect("an output");
         // New vertices have the input vertex of one that they come from, so that warnings of later operators name it.
         assert_eq!(output.inputs.len(), output.derivation.vertices.len());

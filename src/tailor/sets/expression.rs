@@ -188,32 +188,27 @@ impl Parser<'_> {
     }
 
     fn list(&mut self) -> Result<Expression, SetFault> {
-        let first = self.sum()?;
-        let mut rest = Vec::new();
-        while self.take(',') {
-            rest.push((Operation::Union, self.sum()?));
-        }
-        Ok(combined(first, rest))
+        self.chain(&[(',', Operation::Union)], Self::sum)
     }
 
     fn sum(&mut self) -> Result<Expression, SetFault> {
-        let first = self.intersection()?;
-        let mut rest = Vec::new();
-        loop {
-            let operation = match () {
-                () if self.take('+') => Operation::Union,
-                () if self.take('-') => Operation::Difference,
-                () => return Ok(combined(first, rest)),
-            };
-            rest.push((operation, self.intersection()?));
-        }
+        self.chain(&[('+', Operation::Union), ('-', Operation::Difference)], Self::intersection)
     }
 
     fn intersection(&mut self) -> Result<Expression, SetFault> {
-        let first = self.piece()?;
+        self.chain(&[('&', Operation::Intersection)], Self::piece)
+    }
+
+    /// Parts with operations of one rank between them.
+    fn chain(
+        &mut self,
+        operations: &[(char, Operation)],
+        part: fn(&mut Self) -> Result<Expression, SetFault>,
+    ) -> Result<Expression, SetFault> {
+        let first = part(self)?;
         let mut rest = Vec::new();
-        while self.take('&') {
-            rest.push((Operation::Intersection, self.piece()?));
+        while let Some((_, operation)) = operations.iter().find(|(sign, _)| self.take(*sign)) {
+            rest.push((*operation, part(self)?));
         }
         Ok(combined(first, rest))
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use tailor_mesh::error::Error;
-use tailor_mesh::options::{Domain, Given, OptionValue, options};
+use tailor_mesh::options::{Domain, OptionValue, options};
 
 /// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
 const LARGEST: f32 = 1000.0;
@@ -24,11 +24,7 @@ pub enum Relaxation {
     Uv,
 }
 
-impl OptionValue for Relaxation {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for Relaxation {}
 
 options! {
     /// Options of the simulation mesh of this garment, with triangles of adaptive size that keep the chosen edges.

@@ -1,7 +1,7 @@
 //! The body that a recipe names.
 
 use serde::{Deserialize, Serialize};
-use tailor_mesh::options::{Domain, Given, OptionValue, options};
+use tailor_mesh::options::{Domain, OptionValue, options};
 
 /// The kinds of sets that move as wholes.
 const ANY: &[&str] = &["edge", "point", "face"];
@@ -17,11 +17,7 @@ pub enum PanelRest {
     Pattern,
 }
 
-impl OptionValue for PanelRest {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for PanelRest {}
 
 options! {
     /// The body that this garment was made for, and the one that it fits. Relative paths are those beside the file that has them.

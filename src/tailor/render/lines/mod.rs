@@ -48,6 +48,8 @@ pub struct LineRequest<'a> {
     pub tapers: IdVec<VertexId, bool>,
     /// True for other ends with a taper: their last edge is cut where it begins.
     pub ends: IdVec<VertexId, bool>,
+    /// True for vertices without heights, whose lines keep their distance.
+    pub flat: IdVec<VertexId, bool>,
     /// For each marked edge, the length of a taper at its end. \[mesh units\]
     pub taper_length: IdVec<EdgeId, f32>,
     /// True for faces that may be cut. The others get vertices on shared edges alone.

@@ -46,6 +46,7 @@ impl Widths {
                 widths.taper(request, first, &path(request, &marked_at, end, first));
             }
         }
+        request.flat.ids().filter(|&v| request.flat[v]).for_each(|v| widths.heights[v] = 0.0);
         widths
     }
 

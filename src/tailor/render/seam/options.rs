@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tailor_mesh::connectivity::VertexId;
 use tailor_mesh::garment::{Elements, Mesh};
-use tailor_mesh::options::{Domain, Given, LARGEST, OptionValue, options};
+use tailor_mesh::options::{Domain, LARGEST, OptionValue, options};
 
 /// Smallest share of the width on one side. At full asymmetry it separates the lines and keeps the steep flank from
 /// flipping.
@@ -28,11 +28,7 @@ pub enum RowSide {
     Right,
 }
 
-impl OptionValue for RowSide {
-    fn given(&self) -> Given<'_> {
-        Given::Known
-    }
-}
+impl OptionValue for RowSide {}
 
 options! {
     /// A seam of the render mesh along edge sets, as a groove or a ridge. Left and right refer to the direction in which
@@ -74,6 +70,9 @@ options! {
         /// Sides of the edges that have rows: both, left or right; the side with cloth suffices along a border
         "side" side: RowSide = RowSide::Both, Domain::Choice { words: &["both", "left", "right"] },
             "both, left or right";
+
+        /// Go through hems and inner layers of folds too, rather than being flat on them
+        "through" through: bool = false, Domain::Flag, "true or false";
 
         /// Number of rows, on each side if there are two sides; a row on the edges is the first one of both sides, and 0 is 1
         "rows" rows: u32 = 1, Domain::Whole { most: MOST_ROWS, usual: 3 }, "rows";

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use tailor_mesh::connectivity::{EdgeId, FaceId, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Mesh, Orientation, Subset};
+use tailor_mesh::subdivide::Derivation;
 
 /// Lines of a row.
 const LINES: usize = 2 * SHARES.len() + 1;
@@ -344,12 +345,20 @@ impl Operator for Rows {
             blocks: self.blocks(cage, &surface, &network, &ladder),
         };
         let lines = parallels::insert(&request);
-        let (controls, parts) = Self::controls(t, &ladder, &lines);
+        let (controls, mut parts) = Self::controls(t, &ladder, &lines);
         let mut warnings = self.warn(cage, (&request, &network), &ladder, &lines);
         let (subsets, renamed) = self.subsets(cage, &ladder, &lines);
         warnings.extend(renamed);
+        let derivation = lines.builder.finish();
+        if !self.options().through {
+            let covered = derivation.faces.ids().filter(|&face| cage.covers[derivation.parent_face(face)]);
+            let flat: BTreeSet<VertexId> =
+                covered.flat_map(|face| derivation.faces.vertices_of(face)).copied().collect();
+            let covered = controls.iter().zip(&mut parts).filter(|(control, _)| flat.contains(&control.vertex));
+            covered.for_each(|(_, part)| part.share = 0.0);
+        }
         let details = Arc::new(parts);
-        Ok(OperatorOutput { controls, details, subsets, warnings, ..OperatorOutput::new(lines.builder.finish(), cage) })
+        Ok(OperatorOutput { controls, details, subsets, warnings, ..OperatorOutput::new(derivation, cage) })
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {

@@ -22,7 +22,7 @@ use crate::render::points::CagePoints;
 use crate::render::reference::ReferenceNormals;
 use crate::render::{add_border_holes, check_size};
 use glam::Vec3;
-use refinement::{Refined, RefinementSteps, refined, refined_inputs, refined_points, refined_sources};
+use refinement::{Refined, RefinementSteps, from_parents, refined, refined_inputs, refined_points};
 use std::sync::Arc;
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::error::{Error, Warnings};
@@ -50,6 +50,8 @@ pub struct Start {
     pub inputs: Arc<InputVertices>,
     /// The face of the input garment that each of its faces is part of.
     pub sources: Arc<SourceFaces>,
+    /// Which of its faces are of hems and inner layers.
+    pub covers: Arc<Covers>,
 }
 
 /// For each vertex of a mesh, the vertex of the input garment at or beside it, for messages.
@@ -57,6 +59,9 @@ pub type InputVertices = IdVec<VertexId, VertexId>;
 
 /// For each face of a mesh, the face of the input garment that it is part of.
 pub type SourceFaces = IdVec<FaceId, FaceId>;
+
+/// For each face of a mesh, whether it is of a hem or of an inner layer.
+pub type Covers = IdVec<FaceId, bool>;
 
 /// An operator, compared by its output.
 struct SameOutput(Arc<dyn Operator>);
@@ -134,6 +139,7 @@ impl CageSteps {
                 level: &parent.level,
                 clearance: &context.ancestry.clearance,
                 inputs: &context.inputs,
+                covers: &context.ancestry.covers,
                 names_sets: context.names_sets,
             };
             DerivedCage::new(operator.0.as_ref(), &input, &context.ancestry).map(Arc::new)
@@ -229,18 +235,20 @@ fn connectivity(
     step.get(Same::from(level), |level| Ok(Arc::new(Connectivity::new(Arc::clone(&level.0)))))
 }
 
+/// What the elements of a product have from those of its start.
+type Carried = (Arc<InputVertices>, Arc<SourceFaces>, Arc<Covers>);
+
 /// The cached steps of a stage.
 #[derive(Default)]
 pub struct StageSteps {
     first: Step<Same<Mesh>, Cage>,
     first_points: Step<(Same<Mesh>, u32), Arc<CagePoints>>,
-    first_ancestry: Step<Same<CagePoints>, Ancestry>,
+    first_ancestry: Step<(Same<CagePoints>, Same<Covers>), Ancestry>,
     first_connectivity: Step<Same<Level>, Arc<Connectivity>>,
     cages: Vec<CageSteps>,
     points: Vec<PointSteps>,
     refinements: Vec<RefinementSteps>,
-    inputs: Step<(Same<InputVertices>, Same<Mesh>), Arc<InputVertices>>,
-    sources: Step<(Same<SourceFaces>, Same<Mesh>), Arc<SourceFaces>>,
+    carried: Step<(Same<Mesh>, Same<SourceFaces>), Carried>,
     mesh: Step<(Same<Mesh>, Same<CagePoints>, u32), Arc<Mesh>>,
 }
 
@@ -267,14 +275,16 @@ impl StageSteps {
             let points = refined_points(&points.points, known, &refinements);
             Ok(Arc::new(Mesh { points, ..Mesh::clone(&refined) }))
         })?;
-        let of_cage = cages.last().map_or(&start.inputs, |cage| &cage.derived.output.inputs);
-        let inputs = self.inputs.get((Same::from(of_cage), Same::from(&refined)), |_| {
-            Ok(Arc::new(refined_inputs(InputVertices::clone(of_cage), &refinements)))
-        })?;
-        let sources = self.sources.get((Same::from(&start.sources), Same::from(&refined)), |(sources, _)| {
-            let of_cage = cages.last().map(|cage| &cage.derived.ancestry.faces);
-            let of_cage = of_cage.map(|faces| faces.iter().map(|&face| sources[face]).collect());
-            Ok(Arc::new(refined_sources(of_cage.unwrap_or_else(|| SourceFaces::clone(sources)), &refinements)))
+        let input = (Same::from(&refined), Same::from(&start.sources));
+        let (inputs, sources, covers) = self.carried.get(input, |_| {
+            let of_cage = cages.last().map(|cage| (&cage.derived.output.inputs, &cage.derived.ancestry));
+            let (inputs, sources, covers) = match of_cage {
+                None => (&start.inputs, SourceFaces::clone(&start.sources), &start.covers),
+                Some((inputs, a)) => (inputs, a.faces.iter().map(|&face| start.sources[face]).collect(), &a.covers),
+            };
+            let inputs = refined_inputs(InputVertices::clone(inputs), &refinements);
+            let covers = from_parents(Covers::clone(covers), &refinements);
+            Ok((Arc::new(inputs), Arc::new(from_parents(sources, &refinements)), Arc::new(covers)))
         })?;
         let mut warnings = Warnings::default();
         for (cage, raised) in cages.iter().zip(&raised) {
@@ -282,7 +292,7 @@ impl StageSteps {
         }
         let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
         let sets = subsets.map(|set| set.name.clone()).collect();
-        Ok(Made { end: Start { garment: mesh, inputs, sources }, sets, warnings })
+        Ok(Made { end: Start { garment: mesh, inputs, sources, covers }, sets, warnings })
     }
 
     /// The stage, after operators that halve faces at its folds if some bend too far.
@@ -311,6 +321,18 @@ impl StageSteps {
         Ok((first, points))
     }
 
+    fn context(
+        &mut self,
+        first: &Cage,
+        start: &Start,
+        points: &Arc<CagePoints>,
+        stage: &Stage,
+    ) -> Result<Context, Error> {
+        let input = (Same::from(points), Same::from(&start.covers));
+        let ancestry = self.first_ancestry.get(input, |(points, covers)| Ok(first.ancestry(points, &covers.0)))?;
+        Ok(Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets })
+    }
+
     /// Runs all operators and refines the attributes of the last cage. The points of a cage are computed in parallel
     /// with the connectivity of the next operator, those of the last cage in parallel with the refinement.
     fn operate(
@@ -321,16 +343,15 @@ impl StageSteps {
         stage: &Stage,
     ) -> Result<(StageCages, Refined), Error> {
         let mut done = StageCages { cages: Vec::new(), raised: Vec::new() };
-        let Self { cages, points: point_steps, refinements, .. } = self;
         let count = stage.operators.len();
+        self.refinements.resize_with(stage.level as usize, RefinementSteps::default);
+        if count == 0 {
+            return Ok((done, refined(&mut self.refinements, first)?));
+        }
+        let mut context = self.context(first, start, points, stage)?;
+        let Self { cages, points: point_steps, refinements, .. } = self;
         cages.resize_with(count, CageSteps::default);
         point_steps.resize_with(count, PointSteps::default);
-        refinements.resize_with(stage.level as usize, RefinementSteps::default);
-        if count == 0 {
-            return Ok((done, refined(refinements, first)?));
-        }
-        let ancestry = self.first_ancestry.get(Same::from(points), |points| Ok(first.ancestry(points)))?;
-        let mut context = Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets };
         let first_connectivity = connectivity(&mut self.first_connectivity, &first.level)?;
         let mut raise = |done: &StageCages| {
             let Some((number, child)) = done.cages.iter().enumerate().next_back() else { return Ok(None) };
@@ -363,8 +384,7 @@ impl StageSteps {
         let stage = &self.with_halving(start, stage)?;
         let (mut cage, points) = self.first(start, stage)?;
         self.cages.resize_with(stage.operators.len(), CageSteps::default);
-        let ancestry = self.first_ancestry.get(Same::from(&points), |points| Ok(cage.ancestry(points)))?;
-        let mut context = Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets };
+        let mut context = self.context(&cage, start, &points, stage)?;
         for (operator, steps) in stage.operators.iter().zip(&mut self.cages) {
             let next = steps.update(operator, &cage, &context)?;
             context.ancestry = next.derived.ancestry.clone();
@@ -407,13 +427,14 @@ impl Cage {
         Self { garment: Arc::new(garment), level: Arc::new(level) }
     }
 
-    fn ancestry(&self, points: &CagePoints) -> Ancestry {
+    fn ancestry(&self, points: &CagePoints, covers: &Arc<Covers>) -> Ancestry {
         Ancestry {
             clearance: Arc::new(points.clearance.clone()),
             reference: Arc::new(ReferenceNormals::first(&self.garment, &self.level)),
             garment: Arc::clone(&self.garment),
             level: Arc::clone(&self.level),
             faces: Arc::new(self.garment.faces.ids().collect()),
+            covers: Arc::clone(covers),
         }
     }
 }

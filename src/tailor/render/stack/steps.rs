@@ -12,7 +12,7 @@
 use super::stage::{InputVertices, OriginTrace, Origins, SourceFaces, StageSteps, Start};
 use super::{Stack, Stage};
 use std::sync::Arc;
-use tailor_mesh::connectivity::VertexId;
+use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::step::{Same, Step};
@@ -45,7 +45,8 @@ impl RenderSteps {
     pub fn new(garment: Arc<Mesh>) -> Self {
         let inputs: InputVertices = (0..garment.points.len()).map(VertexId::new).collect();
         let sources = Arc::new(garment.faces.ids().collect());
-        let start = Start { garment, inputs: Arc::new(inputs), sources };
+        let covers = Arc::new(IdVec::filled(false, garment.faces.len()));
+        let start = Start { garment, inputs: Arc::new(inputs), sources, covers };
         Self { start, stages: Default::default(), mesh: Step::default() }
     }
 

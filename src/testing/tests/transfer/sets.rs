@@ -136,7 +136,7 @@ const BELOW: [(&str, &str, f64); 7] = [
     // About one triangle wide.
     ("narrow_sets.usdc", "panel02", 0.9533),
     ("narrow_sets.usdc", "placket", 0.8426),
-    ("narrow_sets.usdc", "stripe", 0.8484),
+    ("narrow_sets.usdc", "stripe", 0.8479),
     // Two or three triangles, less than a hundredth of the garment.
     ("tiny_shells.usdc", "panel", 0.6259),
 ];

@@ -1,9 +1,9 @@
 //! The refinements after the operators.
 
-use super::{Cage, InputVertices, SourceFaces};
+use super::{Cage, InputVertices};
 use glam::Vec3;
 use std::sync::Arc;
-use tailor_mesh::connectivity::{IdVec, VertexId};
+use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::{Mesh, Scheme, Subset};
 use tailor_mesh::step::{Same, Step};
@@ -100,12 +100,12 @@ pub fn refined_inputs(mut inputs: InputVertices, refinements: &[Arc<Refinement>]
     inputs
 }
 
-/// The source faces after refinements: those of the parents.
-pub fn refined_sources(mut sources: SourceFaces, refinements: &[Arc<Refinement>]) -> SourceFaces {
+/// Values of faces after refinements: those of the parents.
+pub fn from_parents<T: Copy>(mut values: IdVec<FaceId, T>, refinements: &[Arc<Refinement>]) -> IdVec<FaceId, T> {
     for refinement in refinements {
-        sources = refinement.faces().ids().map(|face| sources[refinement.parent_face(face)]).collect();
+        values = refinement.faces().ids().map(|face| values[refinement.parent_face(face)]).collect();
     }
-    sources
+    values
 }
 
 /// Points after all refinements. `known` holds the masks of the first refinement if an operator computed them.
