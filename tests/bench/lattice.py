@@ -77,7 +77,9 @@ def irregular(points, triangles, tree, length):
 def picture(meshes, tree, length):
     """A close-up of each mesh around the constraint point that has most of them about it."""
     ours = meshes["ours"][0]
-    middle = ours[(np.abs(ours[:, 0] - np.median(ours[:, 0])) + np.abs(ours[:, 1] - np.quantile(ours[:, 1], 0.62)) - 0.1 * ours[:, 2]).argmin()]
+    # In front, as the same place is on the back too.
+    front = ours[ours[:, 2] > np.quantile(ours[:, 2], 0.7)]
+    middle = front[np.abs(front[:, :2] - [np.median(ours[:, 0]), np.quantile(ours[:, 1], 0.62)]).sum(1).argmin()]
     camera, tiles = draw.Camera(0, 0, middle, 9 * length, (540, 540)), []
     for name, (points, triangles) in meshes.items():
         mesh = draw.Mesh(name, points, np.full(len(triangles), 3), triangles.ravel())
