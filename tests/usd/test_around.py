@@ -184,3 +184,66 @@ def test_warnings_of_coarser_levels_are_warnings(usdtailor, tmp_path):
     assert strict.returncode == (1 if worse else 0) or "level of detail" in strict.stderr
     check = good(usdtailor, "check", tmp_path / "out.usdc")
     assert "at level of detail" in check.stderr
+
+
+def test_a_bad_index_names_its_prim_with_all(usdtailor, tmp_path):
+    stage = new(tmp_path / "in.usda")
+    corners = UsdGeom.Mesh(stage.GetPrimAtPath("/G/coat")).GetFaceVertexIndicesAttr()
+    corners.Set([*list(corners.Get())[:-1], 99])
+    stage.GetRootLayer().Save()
+    done = refused(usdtailor, "check", tmp_path / "in.usda", "--all", says=["/G/coat.faceVertexIndices", "names point 99"])
+    assert "library failed" not in done.stderr
+    define(stage, "/G/button", 3, 0.2, (2, 2, 0.02))
+    stage.GetRootLayer().Save()
+    refused(usdtailor, "check", tmp_path / "in.usda", "--all", says=["/G/coat.faceVertexIndices", "names point 99"])
+
+
+@pytest.mark.parametrize("sharpness, is_good", [(2.0, True), (3.0, False)])
+def test_a_corner_may_be_named_twice_with_one_sharpness(usdtailor, tmp_path, sharpness, is_good):
+    stage = new(tmp_path / "in.usda")
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath("/G/coat"))
+    mesh.CreateCornerIndicesAttr([0, 4, 0]), mesh.CreateCornerSharpnessesAttr([2.0, 1.0, sharpness])
+    stage.GetRootLayer().Save()
+    if not is_good:
+        refused(usdtailor, "check", tmp_path / "in.usda", says=["names point 0 again"])
+        return
+    good(usdtailor, "build", tmp_path / "in.usda", "-o", tmp_path / "out.usda", "--set", "render.level=0")
+    out = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    render = UsdGeom.Mesh(out.GetPrimAtPath("/G/render"))
+    assert dict(zip(render.GetCornerIndicesAttr().Get(), render.GetCornerSharpnessesAttr().Get())) == {0: 2.0, 4: 1.0}
+
+
+def sized(path, stronger):
+    """A published coat in two sizes, and a layer over it that says where its points are, or nothing."""
+    stage = new(path.with_name("published.usda"))
+    root, mesh = stage.GetDefaultPrim(), UsdGeom.Mesh(stage.GetPrimAtPath("/G/coat"))
+    points = np.array(mesh.GetPointsAttr().Get())
+    stage.GetPrimAtPath("/G/coat").RemoveProperty("points")
+    sizes = root.GetVariantSets().AddVariantSet("size")
+    for name, scale in (("S", 1.0), ("L", 1.5)):
+        sizes.AddVariant(name), sizes.SetVariantSelection(name)
+        with sizes.GetVariantEditContext():
+            mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy((points * scale).astype(np.float32)))
+    stage.GetRootLayer().Save()
+    over = Usd.Stage.CreateNew(str(path))
+    over.GetRootLayer().subLayerPaths.append("published.usda")
+    over.SetDefaultPrim(over.GetPrimAtPath("/G"))
+    if stronger:
+        UsdGeom.Mesh(over.OverridePrim("/G/coat")).CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points.astype(np.float32)))
+    over.GetRootLayer().Save()
+    return path
+
+
+@pytest.mark.parametrize("stronger", [True, False])
+def test_variants_that_a_stronger_layer_hides_are_told(usdtailor, tmp_path, stronger):
+    source, out = sized(tmp_path / "in.usda", stronger), tmp_path / "out.usda"
+    done = good(usdtailor, "build", source, "-o", out, "--variants", "size", "-v")
+    for size in ("S", "L"):
+        told = f"/G/coat.points: not carried: size={size} has it, and what {source} says is stronger"
+        assert (told in done.stderr) == stronger, done.stderr
+    stage, widths = Usd.Stage.Open(str(out)), set()
+    for size in ("S", "L"):
+        stage.GetPrimAtPath("/G").GetVariantSet("size").SetVariantSelection(size)
+        points = np.array(stage.GetPrimAtPath("/G/sim").GetAttribute("points").Get())
+        widths.add(round(float(np.ptp(points[:, 0])), 3))
+    assert len(widths) == (1 if stronger else 2)

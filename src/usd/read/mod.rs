@@ -35,4 +35,4 @@ pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{is_moving, transforms, world_of};
 pub use surroundings::Sibling;
 pub use trims::{FittedTrim, TrimPrim, dependent_attributes, has_points, is_on, points_name, trim_path, trims};
-pub use variants::{Selection, VariantSet, choices_of, flattened_variants, frozen_trim, select};
+pub use variants::{Selection, VariantSet, choices_of, flattened_variants, frozen_trim, joined, select};

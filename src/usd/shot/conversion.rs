@@ -165,8 +165,7 @@ impl Conversion {
         let is_moved = self.matrix(time)? != self.stages;
         let words = [
             is_turned.then(|| "turned from the up axis of the cache's stage to that of the garment's".to_owned()),
-            (scale != 1.0)
-                .then(|| format!("scaled by {scale} from the unit of the cache's stage to that of the garment's")),
+            (scale != 1.0).then(|| format!("scaled by {scale} from the unit of the cache's stage to the garment's")),
             is_moved.then(|| "moved from the space of the cache to that of the simulation mesh".to_owned()),
         ];
         Ok(words.into_iter().flatten().collect())

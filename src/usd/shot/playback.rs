@@ -36,8 +36,8 @@ impl Playback {
         let mut cache = Cache::open(file, &mesh)?;
         cache.check_times(true)?;
         let mut first = cache.read(0)?;
-        let (garment, clock) =
-            (Motion::fixed(model.transforms.to_world), Clock::new(cache.rate, &model.stage_metadata));
+        let garment = Motion { at_bind: model.transforms.to_world, ..Motion::default() };
+        let clock = Clock::new(cache.rate, &model.stage_metadata);
         let conversion = Conversion::new(&cache, file.space, &mesh, garment, clock);
         conversion.apply(&mut first)?;
         check_first(&mesh, &first, &file.file)?;

@@ -17,9 +17,9 @@ const STEP: f64 = 0.01;
 /// From the space of a prim to that of its stage, over time.
 #[derive(Clone, Default)]
 pub struct Motion {
-    at_bind: DMat4,
+    pub at_bind: DMat4,
     /// The prim, where its transform moves.
-    moving: Option<Prim>,
+    pub moving: Option<Prim>,
 }
 
 impl Motion {
@@ -30,11 +30,6 @@ impl Motion {
     pub fn of(prim: &Prim, time: Option<TimeCode>) -> Result<Self, Error> {
         let moving = is_moving(prim)?.then(|| prim.clone());
         Ok(Self { at_bind: transforms(prim, time)?.to_world, moving })
-    }
-
-    /// A transform that stays.
-    pub fn fixed(at_bind: DMat4) -> Self {
-        Self { at_bind, moving: None }
     }
 
     /// The transform at a time.

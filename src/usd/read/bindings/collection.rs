@@ -90,8 +90,7 @@ impl Naming {
         };
         let is_missing = self.targets.contains(mesh) && !self.targets.iter().any(is_product);
         let why = format!("it names {mesh}, and products are not added to it");
-        let remedy =
-            format!("Add them, such as {} and {} beside the mesh, or name the prim above", names::RENDER, names::SIM);
+        let remedy = "Add them, such as render and sim beside the mesh, or name the prim above";
         is_missing.then(|| Warning::not_carried(&self.relationship, why).remedy(remedy))
     }
 }
