@@ -281,3 +281,42 @@ def test_nothing_that_depends_on_points_stays_as_at_bind(usdtailor, tmp_path):
                 assert not prim.GetAttribute("accelerations").Get(2) and not prim.GetAttribute("angularVelocities").Get(2), path
             tangents = numbers(shot.GetPrimAtPath("/G/cord").GetAttribute("tangents").Get(2))
             assert np.abs(tangents - (moved(numbers([(1, 0, 0), (0, 1, 0)]), 0) - moved(np.zeros((2, 3)), 0))).max() < 1e-3
+
+
+def tube(stage, path, radius, rows=8, count=16):
+    angles = 2 * np.pi * np.arange(count) / count
+    points = [(radius * np.cos(a), 8 * j / rows, -radius * np.sin(a)) for j in range(rows + 1) for a in angles]
+    faces = [[count * j + i, count * j + (i + 1) % count, count * (j + 1) + (i + 1) % count, count * (j + 1) + i] for j in range(rows) for i in range(count)]
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr([tuple(map(float, p)) for p in points]), mesh.CreateFaceVertexCountsAttr([4] * len(faces))
+    mesh.CreateFaceVertexIndicesAttr([int(v) for face in faces for v in face])
+    return mesh
+
+
+def test_nothing_that_depends_on_points_stays_after_a_fit(usdtailor, tmp_path):
+    for name, radius in (("from", 2.0), ("to", 2.5), ("garment", 2.2)):
+        stage = Usd.Stage.CreateNew(str(tmp_path / f"{name}.usda"))
+        UsdGeom.SetStageUpAxis(stage, "Y"), UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+        stage.SetDefaultPrim(UsdGeom.Xform.Define(stage, "/G").GetPrim())
+        mesh = tube(stage, "/G/m", radius)
+        if name == "garment":
+            count = len(mesh.GetPointsAttr().Get())
+            cord = UsdGeom.HermiteCurves.Define(stage, "/G/cord")
+            cord.CreatePointsAttr([(2.25, 3, 0), (2.25, 5, 0)]), cord.CreateCurveVertexCountsAttr([2]), cord.CreateTangentsAttr([(0, 1, 0), (0, 0, 1)])
+            for prim, number in ((mesh.GetPrim(), count), (cord.GetPrim(), 2)):
+                for attribute in ("velocities", "accelerations"):
+                    add(prim, attribute, Sdf.ValueTypeNames.Vector3fArray, [(0, 0, 50)] * number)
+            add(mesh.GetPrim(), "normals", Sdf.ValueTypeNames.Normal3fArray, [(0, 0, 1)] * count)
+        stage.GetRootLayer().Save()
+    good(
+        usdtailor, "fit", tmp_path / "garment.usda", "--from", tmp_path / "from.usda", "--to", tmp_path / "to.usda", "-o",
+        tmp_path / "out.usda", "--prim", "/G/m", "--set", "trim.t.prims=/G/cord",
+    )  # fmt: skip
+    before, after = (Usd.Stage.Open(str(tmp_path / f"{name}.usda")) for name in ("garment", "out"))
+    for path in ("/G/m", "/G/cord"):
+        points = [numbers(stage.GetPrimAtPath(path).GetAttribute("points").Get()) for stage in (before, after)]
+        assert np.abs(points[1] - points[0]).max() > 0.1
+        for name in ("velocities", "accelerations", "normals"):
+            assert not after.GetPrimAtPath(path).GetAttribute(name).Get(), (path, name)
+    tangents = numbers(after.GetPrimAtPath("/G/cord").GetAttribute("tangents").Get())
+    assert np.abs(np.linalg.norm(tangents, axis=1) - 1).max() < 1e-4 and np.abs(tangents - [(0, 1, 0), (0, 0, 1)]).max() < 0.2
