@@ -269,7 +269,7 @@ pub fn purpose_of(prim: &Prim) -> Result<Option<String>, Error> {
     Ok(None)
 }
 
-/// The prims nearest below a mesh that have a type and no purpose of their own, but for its subsets.
+/// The prims nearest below a mesh that have a type and no purpose of their own, except for its subsets.
 pub fn without_purpose(mesh: &Prim) -> Result<Vec<sdf::Path>, Error> {
     let (mut found, mut left) = (Vec::new(), vec![mesh.clone()]);
     while let Some(above) = left.pop() {

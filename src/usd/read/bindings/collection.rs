@@ -22,7 +22,7 @@ pub fn members(stage: &Stage, name: &str) -> Result<MembershipQuery, Error> {
         Error::usd(format!("{name} {text}")).code(tailor_mesh::codes::WRONG_PRIM).remedy(remedy)
     };
     let example = "name it as /Suit.collection:props, with a relationship collection:props:includes";
-    let missing = || fault("is no collection, or includes nothing", example);
+    let missing = || fault("is not a collection, or includes nothing", example);
     let instance = |path: &Path| CollectionAPI::instance_at_path(path);
     let mut held: Vec<_> = Path::new(name).ok().as_ref().and_then(instance).into_iter().collect();
     let mut collections = Vec::new();
