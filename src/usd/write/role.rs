@@ -106,7 +106,7 @@ impl<'a> Product<'a> {
     }
 
     /// The documentation of its prim, made of a model of `panels`.
-    pub fn doc(&self, panels: &[Path]) -> String {
+    pub(super) fn doc(&self, panels: &[Path]) -> String {
         let panels = self.panel.and_then(|panel| panels.get(panel..=panel)).unwrap_or(panels);
         let what = match self.role {
             ProductRole::Sim => "Simulation mesh",
