@@ -115,7 +115,8 @@ def simulate(file, cache, frames, fps, substeps=10, iterations=12):
     UsdGeom.SetStageMetersPerUnit(stage, UsdGeom.GetStageMetersPerUnit(source))
     stage.SetTimeCodesPerSecond(fps), stage.SetFramesPerSecond(fps)
     stage.SetStartTimeCode(1), stage.SetEndTimeCode(frames)
-    mesh = UsdGeom.Mesh.Define(stage, prim.GetPath())
+    # A layer over the garment: its points are in the space of the simulation mesh.
+    mesh = UsdGeom.Mesh(stage.OverridePrim(prim.GetPath()))
     for name in ("faceVertexCounts", "faceVertexIndices"):
         mesh.GetPrim().GetAttribute(name).Set(prim.GetAttribute(name).Get())
     inverse = np.linalg.inv(matrix)

@@ -5,7 +5,7 @@ mod levels;
 mod protect;
 mod request;
 
-pub use levels::{lines as level_lines, report as level_report};
+pub use levels::{lines as level_lines, report as level_report, warnings as all_warnings};
 pub use request::Request;
 
 use super::process::folders::MadeFolders;
@@ -42,8 +42,8 @@ pub struct Task {
 pub enum Outcome {
     /// Its output was written.
     Built(Box<Summary>),
-    /// Its output was fresh and stays.
-    Fresh,
+    /// Its output was fresh and stays; the warnings are those of the build that wrote it.
+    Fresh(Vec<Value>),
     /// Its output would be written in other than a dry run; the text says what it would hold.
     Planned { text: String, warnings: Warnings },
     /// Its output was not written.
@@ -175,13 +175,16 @@ fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool
         Outcome::Built(summary) => text::print_warnings(summary.warnings.worst_first(), wording, label),
         Outcome::Failed(error) if !is_lone => text::print_error(error, label.map(PathBuf::as_path)),
         Outcome::Planned { warnings, .. } => text::print_warnings(warnings.worst_first(), wording, label),
-        Outcome::Failed(_) | Outcome::Fresh => {}
+        Outcome::Fresh(warnings) => text::print_earlier(warnings, wording, label),
+        Outcome::Failed(_) => {}
     }
 }
 
 fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar, is_lone: bool) -> Outcome {
-    if build.skip_fresh && is_fresh(build, task) {
-        return Outcome::Fresh;
+    if build.skip_fresh
+        && let Some(record) = Request::fresh(build, task)
+    {
+        return Outcome::Fresh(record.warnings().collect());
     }
     let start = Instant::now();
     let step = RunningStep::default();
@@ -276,7 +279,7 @@ fn leveled(build: &Build, source: &Source, recipe: &Recipe, names: ProductNames)
     if levels > 1 {
         variants::refuse_products(source, "lod.levels", "levels of detail")?;
     }
-    let names = names.with_levels(levels, build.lod_schema.into());
+    let names = names.with_levels(levels, build.lod_schema);
     Ok(if build.render_per_panel { names.per_panel(source) } else { names })
 }
 
@@ -316,7 +319,7 @@ fn garment(
     let (sim, render, cloth) = timed("figures", &mut timings, || {
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
-    let warnings = products.warnings.clone();
+    let warnings = levels::warnings(&products);
     let (panels, packed, trims) = (Vec::new(), Vec::new(), Vec::new());
     Ok(Built { prim, variant: None, names, panels, packed, trims, products, sim, render, cloth, timings, warnings })
 }
@@ -332,12 +335,12 @@ fn write(
 ) -> Result<(), Error> {
     let options = WriteOptions {
         flatten: build.flatten,
-        sets: build.sets.into(),
-        lod_schema: build.lod_schema.into(),
+        sets: build.sets,
+        lod_schema: build.lod_schema,
         force: build.force,
         model_guide: !build.keep_model_purpose,
         dry_run,
-        record: Some(record),
+        record: Some(record.with_warnings(garments.iter().flat_map(|built| built.warnings.iter()))),
     };
     let mut timings = Vec::new();
     let (written, warnings) = timed(if dry_run { "rehearsal" } else { "write" }, &mut timings, || {
@@ -358,11 +361,6 @@ fn write(
         last.packed = written.packed;
     }
     Ok(())
-}
-
-/// True if the output was made by this program of these files with these options.
-fn is_fresh(build: &Build, task: &Task) -> bool {
-    Request::of(build, task).is_ok_and(|request| BuildRecord::is_fresh(&task.output, &request.text()))
 }
 
 /// The files of an input that are not layers of its stage.

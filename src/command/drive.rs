@@ -1,15 +1,16 @@
 //! `usdtailor drive`.
 
-use super::Output;
 use super::process::folders::MadeFolders;
+use super::text::{Wording, print_warnings};
+use super::{Output, choice};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tailor_mesh::error::Error;
 use tailor_mesh::files::folder_of;
-use tailor_usd::{DriveOptions, drive};
+use tailor_usd::{CacheFile, CacheSpace, DriveOptions, drive};
 
 #[derive(Args)]
 pub struct Drive {
@@ -27,9 +28,8 @@ pub struct Drive {
     /// mesh]
     #[arg(long, value_name = "PATH")]
     prim: Option<String>,
-    /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
-    #[arg(long, value_name = "PATH")]
-    cache_prim: Option<String>,
+    #[command(flatten)]
+    mesh: CacheMesh,
     /// Drive the garment's own mesh too, or the panels of which it is sewn
     #[arg(long)]
     model: bool,
@@ -50,14 +50,32 @@ pub struct Drive {
     pub quiet: bool,
 }
 
+/// The mesh of a cache.
+#[derive(Args)]
+pub struct CacheMesh {
+    /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
+    #[arg(long, value_name = "PATH", requires = "cache")]
+    cache_prim: Option<String>,
+    /// The space of the cache's points: that of its stage (world), or that of the simulation mesh (local) [default: what the
+    /// transforms of a USD cache say, and local for .npz and .npy]
+    #[arg(long, value_name = "SPACE", requires = "cache", value_parser = choice::<CacheSpace>(["world", "local"]), hide_possible_values = true)]
+    cache_space: Option<CacheSpace>,
+}
+
+impl CacheMesh {
+    /// The mesh of a cache in a file.
+    pub fn of(&self, file: &Path) -> CacheFile {
+        CacheFile { file: file.to_path_buf(), prim: self.cache_prim.clone(), space: self.cache_space }
+    }
+}
+
 /// Drives a garment.
 pub fn run(args: &Drive) -> Result<Output, Error> {
     let options = DriveOptions {
         render: args.render.clone(),
-        cache: args.cache.clone(),
+        cache: args.mesh.of(&args.cache),
         output: args.output.clone(),
         prim: args.prim.clone(),
-        cache_prim: args.cache_prim.clone(),
         model: args.model,
         clips: args.clips,
         gaps: args.gaps,
@@ -75,6 +93,7 @@ pub fn run(args: &Drive) -> Result<Output, Error> {
     if args.quiet {
         return Ok(Output { text: String::new(), code: 0 });
     }
+    print_warnings(driven.warnings.iter(), Wording::Full, None);
     let seconds = start.elapsed().as_secs_f64();
     let [first, last] = driven.times;
     let text = format!(

@@ -68,9 +68,9 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The number of threads, whether only errors are printed, and whether it serves until it is ended.
+    /// The number of threads, whether only errors are printed, and that it works on meshes.
     pub fn run_options(&self) -> (Option<usize>, bool, bool) {
-        (self.inputs.threads, self.inputs.quiet, false)
+        (self.inputs.threads, self.inputs.quiet, true)
     }
 }
 
@@ -225,7 +225,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
 
 /// Whether the output was made by this program of these files with these options.
 fn is_fresh(command: &Fit, task: &Task) -> bool {
-    request(command, task).is_ok_and(|request| BuildRecord::is_fresh(&task.output, &request))
+    request(command, task).is_ok_and(|request| BuildRecord::fresh(&task.output, &request).is_some())
 }
 
 /// The options that shape an output, as its record has them. Those of reading have the names that a build gives them.

@@ -5,6 +5,7 @@ mod json;
 pub mod listed;
 mod recorded;
 
+use super::build::all_warnings;
 use super::process::memory;
 use super::text::Wording;
 use super::variants::Opening;
@@ -154,7 +155,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             let (source, builder, recipe) = garment.check()?;
             let mut builder = limited(builder, made.as_ref(), limit);
             let products = builder.update(&recipe)?;
-            found.warnings.extend(products.warnings.iter().cloned());
+            found.warnings.extend(all_warnings(&products));
             source.trims(&products.recipe.trim, builder.garment().size())?;
             is_fresh &= fresh(&source)?;
             let sets = || builder.listed_sets(&products.recipe);
@@ -164,7 +165,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             for garment in args.inputs.open(recipe)? {
                 let (_, builder, recipe) = garment.check()?;
                 let products = builder.with_max_memory(limit).update(&recipe)?;
-                found.warnings.extend(products.warnings.iter().cloned());
+                found.warnings.extend(all_warnings(&products));
             }
         }
         is_fresh &= has_own;

@@ -18,10 +18,12 @@ mod variants;
 pub use program::main;
 pub use tailor_mesh::meter::Counting;
 
-use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use process::{interrupt, memory, threads};
-use serde::{Deserialize, Serialize};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tailor_costume::DEFAULT_MAX_FACES;
@@ -164,15 +166,15 @@ struct Build {
     #[arg(long, help_heading = "Output")]
     render_per_panel: bool,
     /// How levels of detail are written: as variants of the set LOD, or below a prim with LODRootAPI (OpenUSD 26.11)
-    #[arg(long, value_name = "WHICH", value_enum, default_value_t = Lods::Variants, help_heading = "Output")]
-    lod_schema: Lods,
+    #[arg(long, value_name = "WHICH", default_value = "variants", value_parser = choice::<LodSchema>(["variants", "usdLod"]), help_heading = "Output")]
+    lod_schema: LodSchema,
     /// Give the render mesh a set of the elements that each kind of warning names, such as mark_flipped_uvs
     #[arg(long, help_heading = "Output")]
     mark: bool,
     /// Sets of the products: none without a material, those of the model, or all, also of borders, seams and the recipe's
     /// expressions
-    #[arg(long, value_name = "WHICH", value_enum, default_value_t = Sets::Authored, help_heading = "Output")]
-    sets: Sets,
+    #[arg(long, value_name = "WHICH", default_value = "authored", value_parser = choice::<SetChoice>(["none", "authored", "all"]), help_heading = "Output")]
+    sets: SetChoice,
     /// Fail where a warning is more than a note, and write nothing then
     #[arg(long, help_heading = "Output")]
     strict: bool,
@@ -198,43 +200,11 @@ struct Build {
     jobs: Option<NonZeroUsize>,
 }
 
-/// The sets that products have.
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-enum Sets {
-    None,
-    #[default]
-    Authored,
-    All,
-}
-
-impl From<Sets> for SetChoice {
-    fn from(sets: Sets) -> Self {
-        match sets {
-            Sets::None => Self::None,
-            Sets::Authored => Self::Authored,
-            Sets::All => Self::All,
-        }
-    }
-}
-
-/// How levels of detail are written.
-#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase")]
-enum Lods {
-    #[default]
-    Variants,
-    #[value(name = "usdLod")]
-    UsdLod,
-}
-
-impl From<Lods> for LodSchema {
-    fn from(lods: Lods) -> Self {
-        match lods {
-            Lods::Variants => Self::Variants,
-            Lods::UsdLod => Self::UsdLod,
-        }
-    }
+/// A parser of the names of the values of a type.
+fn choice<T: DeserializeOwned + Clone + Send + Sync + 'static>(
+    names: impl IntoIterator<Item = &'static str>,
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(names).try_map(|name| serde_json::from_value(Value::String(name)))
 }
 
 #[derive(Args)]
@@ -272,22 +242,19 @@ struct Output {
 /// Faults of the input, the recipe or the output.
 fn run(cli: &Cli) -> Result<Output, Error> {
     text::set_colors(cli.color);
-    let (threads, quiet, serves) = match &cli.command {
-        Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
-        Command::Drive(drive) => (drive.threads, drive.quiet, false),
+    // Threads start where a subcommand works on meshes. The preview has pools of its own.
+    let (threads, quiet, works) = match &cli.command {
+        Command::Build(build) => (build.inputs.threads, build.inputs.quiet, true),
+        Command::Drive(drive) => (drive.threads, drive.quiet, true),
         Command::Fit(fit) => fit.run_options(),
-        Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
-        Command::Sets(sets) => (sets.threads(), false, false),
-        Command::Example(_)
-        | Command::Explain(_)
-        | Command::Options
-        | Command::Completions { .. }
-        | Command::Man { .. } => (None, false, false),
-        Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
+        Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, true),
+        Command::Sets(sets) => (sets.threads(), false, true),
+        Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, false),
+        _ => (None, false, false),
     };
-    interrupt::tidy_up(serves).map_err(Error::no_thread)?;
+    interrupt::tidy_up(matches!(cli.command, Command::Preview(_))).map_err(Error::no_thread)?;
     let threads = threads::capped(threads, quiet)?;
-    if threads.is_some() || uses_threads(&cli.command) {
+    if threads.is_some() || works {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build_global();
         pool.map_err(Error::no_thread)?;
     }
@@ -305,19 +272,6 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Man { folder } => man(folder),
         Command::Preview(preview) => preview::run(preview, threads),
     }
-}
-
-/// Whether a subcommand works on meshes, so that the threads have to start.
-fn uses_threads(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::Build(_)
-            | Command::Drive(_)
-            | Command::Fit(_)
-            | Command::Info(_)
-            | Command::Check(_)
-            | Command::Sets(_)
-    )
 }
 
 fn options() -> Output {

@@ -1,11 +1,11 @@
 //! `usdtailor preview`.
 
+use super::drive::CacheMesh;
 use super::{Inputs, Output, usage};
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
 use tailor_mesh::error::Error;
-use tailor_usd::CacheFile;
 use tailor_usd::session::Input;
 
 #[derive(Args)]
@@ -15,9 +15,8 @@ pub struct Preview {
     /// A simulated cache to play, as for `usdtailor drive`
     #[arg(long, value_name = "FILE", help_heading = "Preview")]
     cache: Option<PathBuf>,
-    /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
-    #[arg(long, value_name = "PATH", help_heading = "Preview", requires = "cache")]
-    cache_prim: Option<String>,
+    #[command(flatten, next_help_heading = "Preview")]
+    mesh: CacheMesh,
     /// A body to show under the garment [default: that of the recipe's fit.to]
     #[arg(long, value_name = "FILE", help_heading = "Preview")]
     body: Option<PathBuf>,
@@ -54,7 +53,7 @@ pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
             let _ = writeln!(std::io::stderr(), "warning: no browser could be opened. Open the address in one");
         }
     };
-    let cache = preview.cache.clone().map(|file| CacheFile { file, prim: preview.cache_prim.clone() });
+    let cache = preview.cache.as_ref().map(|file| preview.mesh.of(file));
     let input = Input { body: preview.body.clone(), ..preview.inputs.input(file) };
     tailor_preview::serve(input, cache, preview.port, threads, ready)?;
     // A page may be saving yet.

@@ -1,7 +1,7 @@
 //! Writes the JSON report of a build.
 
 use super::build::{Built, Outcome, Task, level_report};
-use super::text::{operator_sets, warning_json};
+use super::text::operator_sets;
 use super::usage;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -9,7 +9,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use tailor_mesh::error::{Error, plain};
-use tailor_usd::{BoundTrim, write_whole};
+use tailor_usd::{BoundTrim, warning_json, write_whole};
 
 /// Checks that a report may be written to `file`, before the build starts.
 ///
@@ -97,7 +97,11 @@ fn folder(file: &Path) -> PathBuf {
 fn report(task: &Task, outcome: &Outcome) -> Value {
     match outcome {
         Outcome::Built(summary) => summary.report.clone(),
-        Outcome::Fresh => head(task, "fresh"),
+        Outcome::Fresh(warnings) => {
+            let mut report = head(task, "fresh");
+            report["warnings"] = json!(warnings);
+            report
+        }
         Outcome::Planned { .. } => head(task, "planned"),
         Outcome::Failed(error) => {
             let mut report = head(task, "failed");

@@ -45,21 +45,42 @@ pub enum Wording {
 
 /// Writes warnings to standard error, prefixed with `input` if it is one of several.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, wording: Wording, input: Option<&PathBuf>) {
+    let line = |warning: &'a Warning| (warning.code.name(), warning.headline(), warning.remedy.as_str());
+    print_lines(warnings.into_iter().map(line), wording, input);
+}
+
+/// As [`print_warnings`], those that the record of an output has.
+pub fn print_earlier<'a>(warnings: &'a [Value], wording: Wording, input: Option<&PathBuf>) {
+    let line = |warning: &'a Value| {
+        let [code, message, remedy] =
+            ["code", "message", "remedy"].map(|key| warning[key].as_str().unwrap_or_default());
+        let headline = message.strip_suffix(remedy).map_or(message, |line| line.trim_end_matches(". "));
+        (code, headline.to_owned(), remedy)
+    };
+    print_lines(warnings.iter().map(line), wording, input);
+}
+
+/// Writes warnings to standard error: their code, headline and remedy.
+fn print_lines<'a>(
+    warnings: impl Iterator<Item = (&'a str, String, &'a str)>,
+    wording: Wording,
+    input: Option<&PathBuf>,
+) {
     if wording == Wording::Silent {
         return;
     }
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
     let (mut out, mut is_cut) = (anstream::stderr(), false);
-    for warning in warnings {
-        let mark = painted(AnsiColor::Yellow, &format!("warning[{}]", warning.code));
+    for (code, headline, remedy) in warnings {
+        let mark = painted(AnsiColor::Yellow, &format!("warning[{code}]"));
         // A closed standard error is not a failure.
-        let _ = writeln!(out, "{mark}: {label}{}", warning.headline());
-        if warning.remedy.is_empty() {
+        let _ = writeln!(out, "{mark}: {label}{headline}");
+        if remedy.is_empty() {
             continue;
         }
         is_cut |= wording == Wording::Short;
         if wording == Wording::Full {
-            let _ = writeln!(out, "  hint: {}", warning.remedy);
+            let _ = writeln!(out, "  hint: {remedy}");
         }
     }
     if is_cut && input.is_none() {
@@ -88,20 +109,13 @@ pub fn print_error(error: &Error, input: Option<&Path>) {
     }
 }
 
-/// A warning as JSON: its code, data and text.
-pub fn warning_json(warning: &Warning) -> Value {
-    let mut json = serde_json::to_value(warning).unwrap_or_default();
-    json["message"] = Value::String(warning.to_string());
-    json
-}
-
 /// The results of the inputs: the summary of one, or a table of several.
 pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
     let summaries =
         outcomes.iter().filter_map(|o| if let Outcome::Built(s) = o { Some(s.text.as_str()) } else { None });
     match (tasks, outcomes) {
         _ if outcomes.iter().any(|outcome| planned(outcome).is_some()) => outcomes.iter().filter_map(planned).collect(),
-        ([task], [Outcome::Fresh]) => format!("{}: fresh\n", task.output.display()),
+        ([task], [Outcome::Fresh(_)]) => format!("{}: fresh\n", task.output.display()),
         ([_], _) => summaries.collect(),
         _ => {
             let mut t: String = summaries.filter(|_| verbose).collect();
@@ -127,7 +141,7 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
                 let [sim, render] = s.faces;
                 (0, format!("built   {sim:>9}  {render:>9}  {:>8.2}", s.seconds))
             }
-            Outcome::Fresh => (1, "fresh".to_owned()),
+            Outcome::Fresh(_) => (1, "fresh".to_owned()),
             Outcome::Failed(_) => (2, "failed".to_owned()),
             Outcome::Planned { .. } => continue,
         };

@@ -22,6 +22,8 @@ declare_codes! {
         FLIPPED_UVS = "flipped-uvs";
         /// Faces intersect others or are flipped.
         INTERSECTIONS = "intersections";
+        /// The garment is modelled with a thickness.
+        THICK_CLOTH = "thick-cloth";
         /// A reference to the asset cannot reach the products.
         ROOT_MESH = "root-mesh";
         /// An expression of a recipe gives a set without elements.

@@ -1,9 +1,8 @@
 //! Bodies in the space of a garment.
 
-use super::read::{Model, Source};
-use super::shot::{StageMetrics, UpAxis};
-use glam::{DMat4, DQuat, DVec3};
-use std::f64::consts::FRAC_PI_2;
+use super::read::Source;
+use super::shot::StageMetrics;
+use glam::DMat4;
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::garment::{Mesh, Orientation, check_garment};
 
@@ -35,22 +34,8 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<Mesh, Error> {
     Ok(mesh)
 }
 
-/// From the space of a body's stage to that of a garment.
+/// From the space of a body's stage to that of a garment: their up axes and units count as far as both stages state them.
 pub fn stage_to_garment(garment: &Source, body: &Source) -> DMat4 {
-    garment.model.transforms.to_world.inverse() * between(&body.model, &garment.model)
-}
-
-/// From the stage of one model to that of another: their up axes and units, as far as both stages state them.
-fn between(from: &Model, to: &Model) -> DMat4 {
-    let [from, to] = [from, to].map(|model| StageMetrics::of(&model.stage_metadata));
-    let scale = match (from.meters_per_unit, to.meters_per_unit) {
-        (Some(from), Some(to)) => from / to,
-        _ => 1.0,
-    };
-    let turn = match (from.up_axis, to.up_axis) {
-        (Some(UpAxis::Z), Some(UpAxis::Y)) => DQuat::from_rotation_x(-FRAC_PI_2),
-        (Some(UpAxis::Y), Some(UpAxis::Z)) => DQuat::from_rotation_x(FRAC_PI_2),
-        _ => DQuat::IDENTITY,
-    };
-    DMat4::from_scale_rotation_translation(DVec3::splat(scale), turn, DVec3::ZERO)
+    let [from, to] = [body, garment].map(|source| StageMetrics::of(&source.model.stage_metadata));
+    garment.model.transforms.to_world.inverse() * from.to(to)
 }

@@ -4,11 +4,12 @@ use super::assets::{Anchor, as_named, file_path};
 use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
+use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
-use tailor_mesh::error::{Error, plain};
+use tailor_mesh::error::{Error, Warning, plain};
 use tailor_mesh::files::{self, folder_of};
 
 /// Key of the record in the dictionary of this program in `customLayerData`.
@@ -29,8 +30,17 @@ pub struct BuildRecord {
     prim: String,
     /// The selected variants, as `prim{set=choice}`.
     variants: Vec<String>,
+    /// The warnings of the build as JSON.
+    warnings: Vec<String>,
     /// The state of each file, by its path from the output's folder.
     files: BTreeMap<String, FileState>,
+}
+
+/// A warning as JSON: its code, data and text.
+pub fn warning_json(warning: &Warning) -> Json {
+    let mut json = serde_json::to_value(warning).unwrap_or_default();
+    json["message"] = Json::String(warning.to_string());
+    json
 }
 
 /// The size of a file and the hash of its content.
@@ -77,7 +87,7 @@ impl BuildRecord {
             sources.iter().flat_map(|source| selections(&source.facts().variants)).collect();
         let mut seen = BTreeSet::new();
         variants.retain(|variant| seen.insert(variant.clone()));
-        Ok(Self { version: VERSION.into(), request, prim, variants, files })
+        Ok(Self { version: VERSION.into(), request, prim, variants, warnings: Vec::new(), files })
     }
 
     /// The record of an output that has products for these variants too.
@@ -90,6 +100,22 @@ impl BuildRecord {
             }
         }
         record
+    }
+
+    /// The record of an output with these warnings too.
+    #[must_use]
+    pub fn with_warnings<'a>(mut self, warnings: impl IntoIterator<Item = &'a Warning>) -> Self {
+        for text in warnings.into_iter().map(|warning| warning_json(warning).to_string()) {
+            if !self.warnings.contains(&text) {
+                self.warnings.push(text);
+            }
+        }
+        self
+    }
+
+    /// The warnings of the build as [`warning_json`] has them.
+    pub fn warnings(&self) -> impl Iterator<Item = Json> {
+        self.warnings.iter().filter_map(|warning| serde_json::from_str(warning).ok())
     }
 
     /// The record of an output that is made of all that several records are of, at least one, with the same request.
@@ -146,11 +172,10 @@ impl BuildRecord {
         &self.request
     }
 
-    /// Whether this program made the output `out` by the same request, and would make it so again.
-    pub fn is_fresh(out: &Path, request: &str) -> bool {
-        Self::of(out).is_some_and(|record| {
-            record.request == request && record.changes(out).is_ok_and(|changes| changes.is_empty())
-        })
+    /// The record of the output `out`, if this program made it by the same request, and would make it so again.
+    pub fn fresh(out: &Path, request: &str) -> Option<Self> {
+        let is_same = |record: &Self| record.request == request && record.changes(out).is_ok_and(|all| all.is_empty());
+        Self::of(out).filter(is_same)
     }
 
     /// Why the output `out` with this record is stale, in words; empty if a build with the same options would write it
@@ -203,8 +228,9 @@ impl BuildRecord {
     /// Lists of texts are left out where they are empty: not every reader of crates has empty ones in dictionaries.
     fn dictionary(&self) -> HashMap<String, Value> {
         let (paths, hashes) = self.files.iter().map(|(path, file)| (path.clone(), file.hash.clone())).unzip();
-        let lists = [("variants", self.variants.clone()), ("files", paths), ("hashes", hashes)];
-        let lists = lists.into_iter().filter(|(_, texts)| !texts.is_empty());
+        let own = [("variants", self.variants.clone()), ("warnings", self.warnings.clone())];
+        let lists = own.into_iter().chain([("files", paths), ("hashes", hashes)]);
+        let lists = lists.filter(|(_, texts)| !texts.is_empty());
         let sizes = self.files.values().map(|file| file.bytes as i64).collect();
         let one = [
             ("version", Value::String(self.version.clone())),
@@ -231,6 +257,7 @@ impl BuildRecord {
             request: text("request")?,
             prim: text("prim")?,
             variants: texts("variants")?,
+            warnings: texts("warnings")?,
             files: files.into_iter().zip(states).collect(),
         })
     }

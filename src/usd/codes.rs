@@ -48,6 +48,8 @@ declare_codes! {
         COMPOSITION = "composition";
         /// An option of a payload cannot be one, and is left out.
         IGNORED_OPTION = "ignored-option";
+        /// The points of a cache may be of another space.
+        CACHE_SPACE = "cache-space";
         /// An option is where nothing reads it.
         MISPLACED_OPTION = "misplaced-option";
     }

@@ -20,13 +20,13 @@ mod write;
 
 pub use assets::relative;
 pub use body::{body_of, stage_to_garment};
-pub use build_record::BuildRecord;
+pub use build_record::{BuildRecord, warning_json};
 pub use read::Look;
 pub use read::{
     Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source,
     TailorPayloads, TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
 };
-pub use shot::{CacheFile, Playback};
+pub use shot::{CacheFile, CacheSpace, Playback};
 pub use shot::{DriveOptions, Driven, drive};
 pub use values::decimal;
 pub use values::type_word;

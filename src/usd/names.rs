@@ -38,6 +38,7 @@ pub const CORNER_INDICES: &str = "cornerIndices";
 pub const CORNER_SHARPNESSES: &str = "cornerSharpnesses";
 pub const NORMALS: &str = "normals";
 pub const VELOCITIES: &str = "velocities";
+pub const TANGENTS: &str = "tangents";
 pub const ACCELERATIONS: &str = "accelerations";
 pub const DOUBLE_SIDED: &str = "doubleSided";
 pub const PURPOSE: &str = "purpose";

@@ -142,7 +142,7 @@ mod tests {
             let number: usize = task.input.to_str().and_then(|n| n.parse().ok()).expect("a number");
             thread::sleep(std::time::Duration::from_micros((40 - number as u64) * 50));
             assert!(number != 7, "the seventh");
-            Outcome::Fresh
+            Outcome::Fresh(Vec::new())
         };
         let mut seen = Vec::new();
         run_all(&tasks, 4, work, |task, outcome| {

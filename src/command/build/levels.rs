@@ -1,11 +1,10 @@
 //! The coarser levels of detail in the summary and the report of a build.
 
-use super::super::text::warning_json;
 use super::Built;
 use serde_json::{Value, json};
 use tailor_costume::Products;
-use tailor_mesh::error::{counted, names};
-use tailor_usd::ProductNames;
+use tailor_mesh::error::{Warnings, names};
+use tailor_usd::{ProductNames, warning_json};
 
 /// The seams that are narrower than the faces of a level: those that are creases there, and those that it lacks.
 struct Thin<'a> {
@@ -21,6 +20,18 @@ impl<'a> Thin<'a> {
         let of = |seams: Vec<(&'a String, _)>| seams.into_iter().map(|(name, _)| name).collect();
         Self { creases: of(creases), left_out: of(left_out) }
     }
+}
+
+/// The warnings of products, with those of each coarser level.
+pub fn warnings(products: &Products) -> Warnings {
+    let mut all = products.warnings.clone();
+    for (number, level) in (1..).zip(&products.levels) {
+        for mut warning in level.warnings.iter().cloned() {
+            warning.problem += &format!(" at level of detail {number}");
+            all.push(warning);
+        }
+    }
+    all
 }
 
 /// A line about each coarser level.
@@ -39,10 +50,6 @@ pub fn lines(built: &Built) -> String {
             if !seams.is_empty() {
                 parts.push(format!("{what}: {}", names(&seams)));
             }
-        }
-        let count = level.warnings.iter().count();
-        if count > 0 {
-            parts.push(format!("{} in the report", counted(count, "warning", "warnings")));
         }
         format!("  level   {}\n", parts.join("; "))
     };

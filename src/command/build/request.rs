@@ -1,12 +1,12 @@
 //! The options of a build that shape its output, as its record has them.
 
-use super::super::{Build, Lods, Sets};
+use super::super::Build;
 use super::Task;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use tailor_costume::recipe::is_file;
 use tailor_mesh::error::Error;
-use tailor_usd::BuildRecord;
+use tailor_usd::{BuildRecord, LodSchema, SetChoice};
 
 /// The options that shape an output. The record identifies the input files by their contents as well.
 #[derive(Default, Serialize, Deserialize)]
@@ -27,9 +27,9 @@ pub struct Request {
     mark: bool,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     strict: bool,
-    sets: Sets,
+    sets: SetChoice,
     #[serde(skip_serializing_if = "is_default")]
-    lod_schema: Lods,
+    lod_schema: LodSchema,
     pub variants: Option<String>,
     pub all: bool,
     pub exclude: Vec<String>,
@@ -46,8 +46,8 @@ fn anchored(set: &str, path: impl Fn(&Path) -> Result<String, Error>) -> Result<
     }
 }
 
-fn is_default(lods: &Lods) -> bool {
-    *lods == Lods::default()
+fn is_default(schema: &LodSchema) -> bool {
+    *schema == LodSchema::default()
 }
 
 impl Request {
@@ -78,6 +78,11 @@ impl Request {
             exclude: inputs.several.exclude.clone(),
             sew_tolerance: inputs.several.sew_tolerance,
         })
+    }
+
+    /// The record of the output of a task, if it was made by this program of these files with these options.
+    pub fn fresh(build: &Build, task: &Task) -> Option<BuildRecord> {
+        BuildRecord::fresh(&task.output, &Self::of(build, task).ok()?.text())
     }
 
     /// The options as `key=value`, for a command that runs anywhere; `output` has the request.

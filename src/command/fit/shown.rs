@@ -2,10 +2,9 @@
 
 use super::{Done, Fit, Task};
 use crate::report::trim_json;
-use crate::text::warning_json;
 use serde_json::{Value, json};
 use tailor_costume::fit::{CrossingCount, FitFigures};
-use tailor_usd::BoundTrim;
+use tailor_usd::{BoundTrim, warning_json};
 
 /// The figures of the garments of one task.
 pub fn summary(task: &Task, garments: &[Done]) -> String {

@@ -1,6 +1,6 @@
 //! The findings of `info` and `check` as JSON.
 
-use super::super::{report, text};
+use super::super::report;
 use super::token;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -14,7 +14,7 @@ use tailor_usd::{Facts, Selection, type_word};
 pub fn entry(file: &Path, found: Value, warnings: &Warnings, error: Option<&Error>) -> Value {
     let mut entry = json!({
         "input": file.display().to_string(),
-        "warnings": warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
+        "warnings": warnings.iter().map(tailor_usd::warning_json).collect::<Vec<_>>(),
     });
     if let Some(error) = error {
         entry["error"] = report::error_json(error);

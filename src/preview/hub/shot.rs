@@ -156,7 +156,7 @@ impl Bound {
         let source = &pose.rendered.job.stage.source;
         let below = source.prim().rsplit_once('/').map_or("", |(parent, _)| parent);
         // The cache is checked first: it is what a user may have to change.
-        let playback = Playback::open(&pose.file, &format!("{below}/sim"), sim, source.facts())?;
+        let playback = Playback::open(&pose.file, &format!("{below}/sim"), sim, source)?;
         let driver = pool.install(|| {
             let builder = builder_for(known, &pose.rendered.job.stage, Progress::default);
             let garment = Arc::clone(builder.garment());

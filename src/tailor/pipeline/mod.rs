@@ -15,6 +15,7 @@ mod plan;
 mod products;
 mod progress;
 mod sim;
+mod thick;
 
 pub use check::mean_edge_length;
 pub use frame::{LocalFrame, back};
@@ -119,7 +120,7 @@ impl MeshBuilder {
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
         let frame = LocalFrame::of(&garment);
-        warnings.extend(frame.check(&garment, mean_edge)?);
+        warnings.extend(frame.check(&garment, mean_edge)?.into_iter().chain(thick::thick_cloth(&garment)));
         Ok(Self::in_frame(frame, (Arc::new(garment), face_numbers), mean_edge, warnings))
     }
 

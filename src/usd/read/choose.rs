@@ -269,6 +269,26 @@ pub fn purpose_of(prim: &Prim) -> Result<Option<String>, Error> {
     Ok(None)
 }
 
+/// The prims nearest below a mesh that have a type and no purpose of their own, except for its subsets.
+pub fn without_purpose(mesh: &Prim) -> Result<Vec<sdf::Path>, Error> {
+    let (mut found, mut left) = (Vec::new(), vec![mesh.clone()]);
+    while let Some(above) = left.pop() {
+        for child in above.children().or_unreadable(above.path())? {
+            let path = child.path();
+            // A prim without a type has no purpose, and those below it inherit from above.
+            if child.type_name().or_unreadable(path)?.is_none_or(|kind| kind.is_empty()) {
+                left.push(child);
+            } else if !is_a(&child, names::GEOM_SUBSET)?
+                && !child.attribute(names::PURPOSE).has_authored_value().or_unreadable(path)?
+            {
+                found.push(path.clone());
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
 /// A prim that a PointInstancer repeats, with all below it, and the PointInstancer.
 pub type Repeated = (sdf::Path, sdf::Path);
 

@@ -1,11 +1,12 @@
 //! The parts of the model and its surroundings that the writer needs.
 
 use super::bindings::{follow_variants, resolve_collections};
-use super::choose::{Repeated, instancer_of, prototypes, purpose_of};
+use super::choose::{instancer_of, purpose_of, without_purpose};
 use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
-use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
+use super::query::{OrUnreadable, interpolation, prim_name, property_names, subset_prims};
 use super::space::{Transforms, transforms};
+use super::surroundings::{KnownSurroundings, Siblings};
 use super::variants::SESSION;
 use crate::assets::same_file;
 use crate::names;
@@ -13,7 +14,7 @@ use crate::record::{Depth, NO_SPLINE, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor_mesh::error::{Error, Warning, Warnings};
@@ -24,6 +25,8 @@ use tailor_mesh::garment::Interpolation;
 pub struct Model {
     /// The model's purpose, its own or from above.
     pub purpose: Option<String>,
+    /// The prims below its meshes that would inherit another purpose.
+    pub below: Vec<sdf::Path>,
     /// The PointInstancer that repeats it.
     pub instancer: Option<sdf::Path>,
     /// The model's path; that of the first of several panels.
@@ -76,19 +79,6 @@ pub struct SubsetRecord {
     pub applied: Vec<Token>,
     /// Material bindings, and the sharpness of former creases.
     pub carried: Vec<Record>,
-}
-
-/// A sibling of the model.
-#[derive(Clone, Debug)]
-pub struct Sibling {
-    /// Whether this program made it from the model.
-    pub product: bool,
-    /// The name of another model from which this program made it.
-    pub of_other: Option<String>,
-    /// Declarations of what it holds, when this program wrote it.
-    pub properties: Vec<Record>,
-    /// Names of the prims below it, when this program wrote it.
-    pub children: Vec<String>,
 }
 
 /// Metadata of prims that describes their composition.
@@ -171,6 +161,7 @@ impl Model {
     ) -> Result<(Self, Warnings), Error> {
         let mut model = Self {
             purpose: purpose_of(prim)?,
+            below: without_purpose(prim)?,
             instancer: instancer_of(prim.path(), known.repeated(prim.stage(), &origin)).cloned(),
             path: prim.path().clone(),
             panels: vec![prim.path().clone()],
@@ -193,6 +184,8 @@ impl Model {
             let why = format!("{instancer} repeats it; its instances show the garment and keep its purpose");
             warnings.push(Warning::not_carried(format!("the instances of {}", prim.path()), why));
         }
+        let naming = known.namings(prim.stage(), &model.origin).iter();
+        warnings.extend(naming.filter_map(|naming| naming.misses_products(prim.path())));
         for name in property_names(prim)? {
             if !(has_normals && name == names::NORMALS) {
                 warnings.extend(model.take_property(prim, &name));
@@ -289,79 +282,6 @@ fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
     let mut applied = applied(subset, &[names::MATERIAL_BINDING_API])?;
     follow_variants(subset, &mut carried, &mut applied)?;
     Ok(SubsetRecord { metadata: fields, applied, carried })
-}
-
-/// The prims beside a model, by name.
-pub type Siblings = BTreeMap<String, Sibling>;
-
-/// What models of one stage share.
-#[derive(Default)]
-pub struct KnownSurroundings {
-    /// The prims below parents without products, with the models among them.
-    siblings: HashMap<sdf::Path, Arc<Siblings>>,
-    repeated: Option<Vec<Repeated>>,
-}
-
-impl KnownSurroundings {
-    /// What PointInstancers repeat. Nothing is known of a stage of too many prims, in which a mesh can be named still.
-    fn repeated(&mut self, stage: &Stage, origin: &StageOrigin) -> &[Repeated] {
-        self.repeated.get_or_insert_with(|| prototypes(stage, &origin.file).unwrap_or_default())
-    }
-
-    fn siblings(&mut self, stage: &Stage, model: &Model) -> Result<Arc<Siblings>, Error> {
-        if let Some(known) = self.siblings.get(&model.parent) {
-            return Ok(Arc::clone(known));
-        }
-        let mut found = all_siblings(stage, model)?;
-        if found.values().any(|sibling| sibling.product || sibling.of_other.is_some()) {
-            found.remove(&model.name());
-            return Ok(Arc::new(found));
-        }
-        let found = Arc::new(found);
-        self.siblings.insert(model.parent.clone(), Arc::clone(&found));
-        Ok(found)
-    }
-}
-
-/// The prims beside a model.
-pub fn siblings(stage: &Stage, model: &Model) -> Result<Siblings, Error> {
-    let mut found = all_siblings(stage, model)?;
-    let is_other = |name: &String| model.sibling_path(name).is_ok_and(|path| !model.panels.contains(&path));
-    found.retain(|name, _| is_other(name));
-    Ok(found)
-}
-
-/// The prims below the parent of a model.
-fn all_siblings(stage: &Stage, model: &Model) -> Result<Siblings, Error> {
-    let (parent, own) = (&model.parent, model.name());
-    let mut found = Siblings::new();
-    for name in prim_at(stage, parent)?.child_names().or_unreadable(parent)? {
-        let path = model.sibling_path(name.as_str()).or_unreadable(parent)?;
-        found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(stage, &path)?, &own)?);
-    }
-    Ok(found)
-}
-
-impl Sibling {
-    fn take(prim: &Prim, model: &str) -> Result<Self, Error> {
-        let source = product_of(prim)?;
-        let is_own = |source: &String| source.is_empty() || source == model;
-        let mut sibling = Self {
-            product: source.as_ref().is_some_and(is_own),
-            of_other: source.filter(|source| !is_own(source)),
-            properties: Vec::new(),
-            children: Vec::new(),
-        };
-        if sibling.product {
-            for name in property_names(prim)? {
-                sibling.properties.extend(Record::take(prim, &name, Depth::Declaration).or_unreadable(prim.path())?);
-            }
-            let children = prim.child_names().or_unreadable(prim.path())?;
-            sibling.children = children.iter().map(ToString::to_string).collect();
-            sibling.children.sort();
-        }
-        Ok(sibling)
-    }
 }
 
 /// The files of all layers that composition has loaded, with the package for layers inside one.

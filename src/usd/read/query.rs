@@ -3,6 +3,7 @@
 use crate::codes;
 use crate::names::{self, UsdToken};
 use crate::values::text;
+use glam::Vec3;
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::fmt::Display;
@@ -155,6 +156,18 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
                 )))
         }
     }
+}
+
+/// The vectors of an attribute at `time`, or its default; none where it has none.
+///
+/// # Errors
+/// As [`value`].
+pub fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Vec<Vec3>>, Error> {
+    Ok(match value(prim, name, time)? {
+        Some(Value::Vec3fVec(all)) => Some(bytemuck::cast_slice(&all).to_vec()),
+        Some(Value::Vec3dVec(all)) => Some(all.iter().map(|v| Vec3::new(v.x as f32, v.y as f32, v.z as f32)).collect()),
+        _ => None,
+    })
 }
 
 /// The text of a token or string attribute.

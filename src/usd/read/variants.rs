@@ -1,7 +1,6 @@
 //! Variant sets of the model and of the prims above it, and layers that select variants.
 
-use super::query::with_ancestors;
-use super::query::{OrUnreadable, prim_at, subset_prims};
+use super::query::{OrUnreadable, prim_at, property_names, subset_prims, with_ancestors};
 use crate::codes;
 use crate::names;
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
@@ -106,13 +105,8 @@ pub fn varied_properties(prim: &Prim) -> Result<BTreeMap<String, BTreeSet<String
         for site in owner.prim_stack().or_unreadable(&path)? {
             for set in children_at(&owner, &site, &site.path, ChildrenKey::VariantSetChildren) {
                 for choice in choices_at(&owner, &site, &set) {
-                    let place = site.path.append_variant_selection(&set, &choice).and_then(|variant| {
-                        below
-                            .split('/')
-                            .filter(|name| !name.is_empty())
-                            .try_fold(variant, |path, name| path.append_path(name))
-                    });
-                    let Ok(place) = place else { continue };
+                    let variant = site.path.append_variant_selection(&set, &choice);
+                    let Ok(place) = variant.and_then(|variant| joined(variant, below)) else { continue };
                     for property in children_at(&owner, &site, &place, ChildrenKey::PropertyChildren) {
                         found.entry(property).or_default().insert(set.clone());
                     }
@@ -123,20 +117,39 @@ pub fn varied_properties(prim: &Prim) -> Result<BTreeMap<String, BTreeSet<String
     Ok(found)
 }
 
+/// The prim at a relative path such as `a/b` below another, or the other itself where the path is empty.
+///
+/// # Errors
+/// A path that cannot be one.
+pub fn joined(above: sdf::Path, below: &str) -> Result<sdf::Path, sdf::PathParseError> {
+    below.split('/').filter(|name| !name.is_empty()).try_fold(above, |path, name| path.append_path(name))
+}
+
 /// The note that products keep what other variants than the selected ones have, of each set but those that are `built` one by one.
-/// Materials follow, as products bind that of the model.
+/// Materials follow, as products bind that of the model. Of those that are built, the warning that stronger opinions hide them.
 ///
 /// # Errors
 /// A stage that cannot be queried.
 pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<Warnings, Error> {
-    let is_followed = |property: &str| names::is_material(property) || property.starts_with(names::RECIPE);
     let prims = [mesh.clone()].into_iter().chain(subset_prims(mesh)?);
-    let kept = varied_by_set(prims, |property| !is_followed(property))?;
+    let kept = varied_by_set(prims, |property| !names::is_material(property) && !property.starts_with(names::RECIPE))?;
     let is_built = |set: &Selection| built.iter().any(|built| built.set == set.set && built.prim == set.prim);
     let open = sets.iter().filter(|set| !is_built(&set.selected));
-    Ok(frozen_sets(mesh, open, &kept, "products keep", |set| {
+    let mut warnings = frozen_sets(mesh, open, &kept, "products keep", |set| {
         format!("Build with --variants {set}, or once for each selection")
-    }))
+    });
+    for Selection { set, choice, .. } in built {
+        let is_of_variant = |site: &SpecSite| site.path.as_str().contains(&format!("{{{set}={choice}}}"));
+        for name in property_names(mesh)? {
+            let sites = mesh.attribute(name.as_str()).property_stack().or_unreadable(mesh.path())?;
+            if let Some(first) = sites.iter().position(is_of_variant).filter(|&first| first > 0).map(|_| &sites[0]) {
+                let why = format!("{set}={choice} has it, and what {} says is stronger", first.layer);
+                let warning = Warning::not_carried(format!("{}.{name}", mesh.path()), why);
+                warnings.push(warning.remedy("Remove it in that layer, or build the layer that has the variants"));
+            }
+        }
+    }
+    Ok(warnings)
 }
 
 /// The note that a trim on another body has what it has of the selected variants, among the `changed` properties.
@@ -145,8 +158,9 @@ pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<W
 /// A stage that cannot be queried.
 pub fn frozen_trim(trim: &Prim, changed: &BTreeSet<&str>) -> Result<Warnings, Error> {
     let kept = varied_by_set([trim.clone()], |property| changed.contains(property))?;
-    let sets = if kept.is_empty() { Vec::new() } else { variant_sets(trim)? };
-    Ok(frozen_sets(trim, sets.iter(), &kept, "the fit keeps", |set| format!("Fit once for each selection of {set}")))
+    Ok(frozen_sets(trim, variant_sets(trim)?.iter(), &kept, "the fit keeps", |set| {
+        format!("Fit once for each selection of {set}")
+    }))
 }
 
 /// The properties of some prims that variants have, by the sets of these variants.

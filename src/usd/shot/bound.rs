@@ -3,10 +3,13 @@
 use super::DriveOptions;
 use super::chosen::{BoundMesh, Chosen};
 use super::conversion::StageMetrics;
-use super::space::Space;
+use super::space::{Motion, Motions, Space};
 use crate::codes;
 use crate::names;
-use crate::read::{OrUnreadable, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value};
+use crate::read::{
+    OrUnreadable, dependent_attributes, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value,
+    vectors,
+};
 use crate::write::{extent, pose_points};
 use glam::{DMat4, Quat, Vec3};
 use openusd::gf::{Quath, f16};
@@ -90,11 +93,13 @@ pub struct BoundPrim {
     /// Number of its points.
     pub points: usize,
     pub normals: Option<BoundNormals>,
+    /// Of Hermite curves, in the space of the simulation mesh.
+    pub tangents: Option<Vec<Vec3>>,
     /// Rotations of instances at bind.
     pub orientations: Option<Vec<Quat>>,
     /// How far it reaches beyond its points, such as instances do; none if nobody says so.
     pub reach: Option<f32>,
-    /// Attributes that would stay as they are, with their types. A shot leaves them out.
+    /// Attributes that are of its points at bind, with their types. They are blocked where they are not driven.
     pub stale: Vec<(String, ValueTypeName)>,
     /// Its space, if it is not that of the simulation mesh.
     pub space: Option<Space>,
@@ -113,7 +118,7 @@ impl Bound {
     ///
     /// # Errors
     /// A stage that cannot be read; no bound mesh, or several.
-    pub fn read(options: &DriveOptions) -> Result<Self, Error> {
+    pub fn read(options: &DriveOptions) -> Result<(Self, Motions), Error> {
         let (stage, chosen) = Chosen::open(options)?;
         let sim = prim_at(&stage, &chosen.sim)?;
         let sim_points = points_at_bind(&sim)?;
@@ -121,38 +126,43 @@ impl Bound {
         let frames = Arc::new(BindFrames::new(&sim_points, &triangles)?);
         let to_world = transforms(&sim, None)?.to_world;
         let bind = Bind { to_world, time: None, points: &sim_points, triangles: &triangles, frames: &frames };
-        let mut meshes = Vec::with_capacity(chosen.meshes.len());
+        let mut found = Vec::with_capacity(chosen.meshes.len());
         for mesh in &chosen.meshes {
-            meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
+            found.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
         }
         for (stage, of_level) in chosen.other_levels(&stage, options)? {
             let to_world = transforms(&prim_at(&stage, &chosen.sim)?, None)?.to_world;
             let bind = Bind { to_world, ..bind };
             for mesh in &of_level {
-                meshes.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
+                found.push(bind.mesh(&prim_at(&stage, &mesh.path)?, mesh)?);
             }
         }
         if options.model {
-            meshes.extend(models(&stage, options, &sim, &bind)?);
+            found.extend(models(&stage, options, &sim, &bind)?);
         }
+        let (motions, meshes) = found.into_iter().unzip();
+        let motions = Motions { sim: Motion::of(&sim, None)?, meshes: motions };
         let metadata = stage_metadata(&stage)?;
         let metrics = StageMetrics::of(&metadata);
         let counts = std::iter::repeat_n(3, triangles.len());
         let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
-        Ok(Self { sim, frames, meshes, metadata, layers: layer_files(&stage) })
+        Ok((Self { sim, frames, meshes, metadata, layers: layer_files(&stage) }, motions))
     }
 }
 
 /// The garment's own meshes: one, or the panels that are sewn together, whose places are one after another.
-fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> Result<Vec<BoundPrim>, Error> {
+fn models(
+    stage: &Stage,
+    options: &DriveOptions,
+    holder: &Prim,
+    bind: &Bind,
+) -> Result<Vec<(Motion, BoundPrim)>, Error> {
     let [faces, coords, source] = names::MODEL_BINDING;
     let (sim, file) = (holder.path(), options.render.display());
-    let stale =
-        |text: String, remedy: &str| Err(Error::usd(text).code(tailor_costume::codes::STALE_BINDING).remedy(remedy));
     let paths = holder.relationship(source).targets().or_unreadable(sim)?;
     if paths.is_empty() {
         let text = format!("{sim} of {file} has no {source}");
-        return stale(text, "leave out --model, or build the garment again");
+        return Err(unbound(text).remedy("leave out --model, or build the garment again"));
     }
     let mut panels = Vec::with_capacity(paths.len());
     for path in &paths {
@@ -164,13 +174,13 @@ fn models(stage: &Stage, options: &DriveOptions, holder: &Prim, bind: &Bind) -> 
     let count: usize = panels.iter().map(|(_, points)| points.len()).sum();
     if count != places.faces.len() || count != places.coords.len() {
         let text = format!("{sim} of {file} has places for {} points of its model, not {count}", places.faces.len());
-        return stale(text, "build the garment again");
+        return Err(unbound(text));
     }
     let mut meshes = Vec::with_capacity(panels.len());
     for (prim, points) in panels {
         let own = ..points.len();
         let own = Binding { faces: places.faces.drain(own).collect(), coords: places.coords.drain(own).collect() };
-        meshes.push(BoundPrim::read(&prim, &points, &own, bind)?);
+        meshes.push((Motion::of(&prim, None)?, BoundPrim::read(&prim, &points, &own, bind)?));
     }
     Ok(meshes)
 }
@@ -188,46 +198,43 @@ pub struct Bind<'a> {
 }
 
 impl Bind<'_> {
-    /// Reads a mesh that is bound.
-    fn mesh(&self, prim: &Prim, mesh: &BoundMesh) -> Result<BoundPrim, Error> {
+    /// Reads a mesh that is bound, and how its transform moves.
+    fn mesh(&self, prim: &Prim, mesh: &BoundMesh) -> Result<(Motion, BoundPrim), Error> {
         let [faces, coords, _] = names::binding(mesh.level);
         let places = read_places(prim, [&faces, &coords])?;
-        BoundPrim::read(prim, &points_at_bind(prim)?, &places, self)
+        Ok((Motion::of(prim, None)?, BoundPrim::read(prim, &points_at_bind(prim)?, &places, self)?))
     }
 }
 
 /// Reads the places of points on the simulation mesh from `holder`, by the names of faces and coordinates.
 fn read_places(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Binding, Error> {
     let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
-    match value(holder, coords, None)? {
-        Some(Value::Vec3fVec(coords)) => Ok(Binding { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
-        _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
-    }
+    let coords = vectors(holder, coords, None)?.ok_or_else(|| missing(holder, coords))?;
+    Ok(Binding { faces, coords })
+}
+
+/// The error of a garment that is not as it was built.
+fn unbound(text: String) -> Error {
+    Error::usd(text).code(tailor_costume::codes::STALE_BINDING).remedy("build the garment again")
+}
+
+fn missing(prim: &Prim, name: &str) -> Error {
+    unbound(format!("{}.{name} is missing", prim.path()))
 }
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
-    let pose = pose_points().find_map(|name| value(prim, &name, None).ok().flatten());
-    let points = match pose {
-        Some(pose) => Some(pose),
-        None => value(prim, points_name(prim)?, None)?,
-    };
-    match points {
-        Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
-        _ => Err(Error::usd(format!("{} has no points without a time", prim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
+    if let Some(pose) = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten()) {
+        return Ok(pose);
     }
+    let points = vectors(prim, points_name(prim)?, None)?;
+    points.ok_or_else(|| unbound(format!("{} has no points without a time", prim.path())))
 }
 
 fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {
     match value(prim, name, None)? {
         Some(Value::IntVec(values)) => Ok(values),
-        _ => Err(Error::usd(format!("{}.{name} is missing", prim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
+        _ => Err(missing(prim, name)),
     }
 }
 
@@ -235,9 +242,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let counts = ints(sim, names::FACE_VERTEX_COUNTS)?;
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
-        return Err(Error::usd(format!("{} is not a triangle mesh", sim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again"));
+        return Err(unbound(format!("{} is not a triangle mesh", sim.path())));
     }
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
 }
@@ -246,11 +251,12 @@ impl BoundPrim {
     /// Reads a prim with these points at bind and places on what moves it.
     pub fn read(prim: &Prim, points: &[Vec3], places: &Binding, bind: &Bind) -> Result<Self, Error> {
         let space = Space::between(prim, bind.to_world, bind.time)?;
-        let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
+        let mut in_sim = points.to_vec();
+        space.iter().for_each(|space| space.to_sim.points(&mut in_sim, None));
         let pose = BindPose {
             sim_points: bind.points,
             triangles: bind.triangles,
-            points: in_sim.as_deref().unwrap_or(points),
+            points: &in_sim,
             faces: &places.faces,
             coords: &places.coords,
         };
@@ -258,18 +264,24 @@ impl BoundPrim {
         let schemas = prim.authored_api_schemas().or_unreadable(prim.path())?;
         let is_skinned = schemas.iter().any(|schema| schema.as_str() == names::SKEL_BINDING_API);
         let mut normals = normals(prim, points.len(), bind.time)?;
-        if let (Some(space), Some(normals)) = (&space, &mut normals) {
-            space.normals_to_sim(&mut normals.values);
+        let mut tangents = vectors(prim, names::TANGENTS, bind.time)?.filter(|all| all.len() == points.len());
+        if let Some(space) = &space {
+            normals.iter_mut().for_each(|normals| space.to_sim.normals(&mut normals.values));
+            tangents.iter_mut().for_each(|tangents| space.to_sim.tangents(tangents));
         }
+        let mut stale = dependent_attributes(prim)?;
+        // A normal of all points does not turn, and those of a subdivision surface count for nothing.
+        stale.retain(|(name, _)| name != names::NORMALS && (name != names::TANGENTS || tangents.is_none()));
         Ok(Self {
             path: prim.path().clone(),
             points_name: points_name(prim)?,
             is_skinned,
             points: points.len(),
             normals,
+            tangents,
             orientations: orientations(prim, points.len(), bind.time)?,
             reach: reach(prim, points, bind.time)?,
-            stale: stale(prim)?,
+            stale,
             space,
             driver,
         })
@@ -302,33 +314,17 @@ fn reach(prim: &Prim, points: &[Vec3], time: Option<TimeCode>) -> Result<Option<
     if is_a(prim, names::MESH)? {
         return Ok(Some(0.0));
     }
-    let Some(Value::Vec3fVec(authored)) = value(prim, names::EXTENT, time)? else { return Ok(None) };
-    let ([low, high], [own_low, own_high]) = (&authored[..], &extent(points)[..]) else { return Ok(None) };
-    let [low, high, own_low, own_high] = [low, high, own_low, own_high].map(|p| Vec3::from(<[f32; 3]>::from(*p)));
+    let (authored, own) = (vectors(prim, names::EXTENT, time)?.unwrap_or_default(), extent(points));
+    let (&[low, high], &[own_low, own_high]) = (&authored[..], bytemuck::cast_slice::<_, Vec3>(&own)) else {
+        return Ok(None);
+    };
     Ok(Some((own_low - low).max(high - own_high).max_element().max(0.0)))
-}
-
-/// The names and types of the authored attributes that would stay at bind: the primvar of normals, and what else turns instances.
-fn stale(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
-    let name = format!("{}{}", names::PRIMVARS, names::NORMALS);
-    let mut names = vec![name.clone(), format!("{name}{}", names::INDICES_SUFFIX)];
-    if is_a(prim, names::POINT_INSTANCER)? {
-        names.extend([names::ORIENTATIONS_F, "angularVelocities", "accelerations"].map(str::to_owned));
-    }
-    let mut found = Vec::new();
-    for name in names {
-        let attribute = prim.attribute(name.as_str());
-        if attribute.has_authored_value().or_unreadable(prim.path())? {
-            found.extend(attribute.type_name().or_unreadable(prim.path())?.map(|kind| (name, kind)));
-        }
-    }
-    Ok(found)
 }
 
 /// The authored normals of curves, or of a mesh that is not a subdivision surface; none where one normal is for all points.
 fn normals(prim: &Prim, points: usize, time: Option<TimeCode>) -> Result<Option<BoundNormals>, Error> {
     let scheme = value(prim, names::SUBDIVISION_SCHEME, None)?;
-    let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, time)? else { return Ok(None) };
+    let Some(values) = vectors(prim, names::NORMALS, time)? else { return Ok(None) };
     let is_polygonal = matches!(scheme, Some(Value::Token(scheme)) if scheme.as_str() == "none");
     if !is_polygonal && is_a(prim, names::MESH)? {
         return Ok(None);
@@ -353,7 +349,6 @@ fn normals(prim: &Prim, points: usize, time: Option<TimeCode>) -> Result<Option<
             .code(codes::ATTRIBUTE_TYPE)
             .remedy("mend its normals or their interpolation, or block them"));
     }
-    let values = bytemuck::cast_slice(&values).to_vec();
     Ok(Some(BoundNormals { values, points: of.iter().map(|v| *v as u32).collect() }))
 }
 

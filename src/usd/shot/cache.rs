@@ -4,26 +4,47 @@ use super::bound::MeshAtBind;
 use super::conversion::StageMetrics;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
+use super::space::Motion;
 use crate::codes;
 use crate::names;
-use crate::read::{OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value};
+use crate::read::{
+    OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value, vectors, with_ancestors,
+};
 use crate::values::number;
 use glam::Vec3;
-use openusd::sdf::{FieldKey, Path, Value};
+use openusd::sdf::{FieldKey, Path, Specifier, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
+use serde::Deserialize;
 use std::path::{Path as FilePath, PathBuf};
 use tailor_mesh::error::{Error, ErrorKind};
 
 /// The metadata of a cache that a shot has too: frames and time codes per second.
 pub const RATE: [&str; 2] = ["framesPerSecond", "timeCodesPerSecond"];
 
+/// The values of [`RATE`] in the metadata of a stage.
+pub fn rates(metadata: &[(String, Value)]) -> [Option<f64>; 2] {
+    RATE.map(|key| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| number(value)))
+}
+
 /// A cache, and the mesh in it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct CacheFile {
     /// A USD file with time-sampled points, `.npz` or `.npy`.
     pub file: PathBuf,
     /// Path of the mesh in it; by default that of the mesh which it moves, or the only one with its points.
     pub prim: Option<String>,
+    /// The space of its points; by default what the transforms of a USD file say, and otherwise that of the mesh which it moves.
+    pub space: Option<CacheSpace>,
+}
+
+/// The space of the points of a cache.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum CacheSpace {
+    /// That of the stage.
+    World,
+    /// That of the mesh which the cache moves.
+    Local,
 }
 
 /// The mesh at one time.
@@ -40,9 +61,11 @@ pub struct Cache {
     file: PathBuf,
     times: Vec<f64>,
     /// The values of [`RATE`], where the cache states them.
-    rate: [Option<f64>; 2],
+    pub rate: [Option<f64>; 2],
     /// The up axis and unit that its stage states.
-    metrics: StageMetrics,
+    pub metrics: StageMetrics,
+    /// From its points to its stage; none where it does not say.
+    pub motion: Option<Motion>,
     points: usize,
     frames: Frames,
 }
@@ -74,6 +97,7 @@ impl Cache {
                     times,
                     rate: [None; 2],
                     metrics: StageMetrics::default(),
+                    motion: None,
                     points,
                     frames: Frames::Numpy(frames),
                 }
@@ -111,16 +135,6 @@ impl Cache {
         &self.times
     }
 
-    /// The values of [`RATE`], where the cache states them.
-    pub fn rate(&self) -> [Option<f64>; 2] {
-        self.rate
-    }
-
-    /// The up axis and unit that the cache's stage states.
-    pub fn metrics(&self) -> StageMetrics {
-        self.metrics
-    }
-
     /// Refuses times that do not ascend, and gaps between frames unless they are accepted.
     ///
     /// # Errors
@@ -148,6 +162,11 @@ impl Cache {
         Err(self.fault(&text).code(codes::CACHE_FRAMES).remedy("cache them again, or accept gaps with --gaps"))
     }
 
+    /// Whether its frames have velocities.
+    pub fn has_velocities(&self) -> bool {
+        matches!(self.frames, Frames::Crate { velocities: Some(_), .. } | Frames::Stage { has_velocities: true, .. })
+    }
+
     /// Whether frames can only be read one after another.
     pub fn is_in_order(&self) -> bool {
         matches!(self.frames, Frames::Numpy(_))
@@ -166,9 +185,8 @@ impl Cache {
             Frames::Numpy(frames) => (frames.read(i)?, None),
             Frames::Stage { stage, prim, has_velocities } => {
                 let prim = prim_at(stage, prim)?;
-                let at = Some(TimeCode::new(time));
-                let points = vectors(&prim, names::POINTS, at)?;
-                let velocities = has_velocities.then(|| vectors(&prim, names::VELOCITIES, at)).transpose()?;
+                let points = vectors_at(&prim, names::POINTS, time)?;
+                let velocities = has_velocities.then(|| vectors_at(&prim, names::VELOCITIES, time)).transpose()?;
                 (points, velocities)
             }
         };
@@ -203,25 +221,32 @@ impl Cache {
         let time = first.first().map(|time| TimeCode::new(*time));
         check_faces(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, mesh)?;
         let metadata = stage_metadata(&stage)?;
-        let rate = RATE.map(|key| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| number(value)));
+        let rate = rates(&metadata);
         let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
         let velocities = prim.attribute(names::VELOCITIES).time_sample_times().or_unreadable(&path)?;
         let points = match times.first() {
-            Some(first) => vectors(&prim, names::POINTS, Some(TimeCode::new(*first)))?.len(),
+            Some(first) => vectors_at(&prim, names::POINTS, *first)?.len(),
             None => 0,
         };
         let has_velocities = !times.is_empty() && velocities == times;
-        let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
         let metrics = StageMetrics::of(&metadata);
-        Ok(Self { file: file.clone(), times, rate, metrics, points, frames })
+        // Overs alone are meant for a layer over the garment, whose transforms they have there.
+        let motion = prim.is_defined().or_unreadable(&path)?.then(|| Motion::of(&prim, None)).transpose()?;
+        let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
+        Ok(Self { file: file.clone(), times, rate, metrics, motion, points, frames })
     }
 
-    /// A cache in one crate, whose frames are read from the file one by one; `None` if they cannot be.
+    /// A cache in one crate without transforms, whose frames are read from the file one by one; `None` if they cannot be.
     fn of_crate(mut layer: CrateStage, cache: &CacheFile, mesh: &MeshAtBind) -> Option<Result<Self, Error>> {
         let path = match chosen(&layer.sampled(names::POINTS), cache, mesh) {
             Ok(path) => path,
             Err(e) => return Some(Err(e)),
         };
+        if with_ancestors(&path).any(|path| layer.has(&path, names::XFORM_OP_ORDER)) {
+            return None;
+        }
+        let is_def = |path: Path| layer.read(&path, "specifier") == Some(Value::Specifier(Specifier::Def));
+        let motion = with_ancestors(&path).all(is_def).then(Motion::default);
         let points = layer.samples(&path, names::POINTS)?;
         let velocities = layer.samples(&path, names::VELOCITIES).filter(|v| v.times() == points.times());
         let indices = path.append_property(names::FACE_VERTEX_INDICES).ok()?;
@@ -229,33 +254,25 @@ impl Cache {
         if let Err(e) = check_faces(corners, &path, &cache.file, mesh) {
             return Some(Err(e));
         }
-        let root = Path::abs_root();
-        let rate = RATE.map(|key| number(&layer.read(&root, key)?));
+        let stated = |key: &str| Some((key.to_owned(), layer.read(&Path::abs_root(), key)?));
+        let keys = RATE.into_iter().chain([names::UP_AXIS, names::METERS_PER_UNIT]);
+        let metadata: Vec<_> = keys.filter_map(stated).collect();
         let count = match points.first_len() {
             Ok(count) => count,
             Err(e) => return Some(Err(e)),
         };
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
-        let [up_axis, meters] = [names::UP_AXIS, names::METERS_PER_UNIT].map(|name| layer.read(&root, name));
-        let metrics = StageMetrics::new(up_axis.as_ref(), meters.as_ref());
-        Some(Ok(Self { file: cache.file.clone(), times, rate, metrics, points: count, frames }))
+        let (rate, metrics) = (rates(&metadata), StageMetrics::of(&metadata));
+        Some(Ok(Self { file: cache.file.clone(), times, rate, metrics, motion, points: count, frames }))
     }
 }
 
-fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>, Error> {
-    match value(prim, name, time)? {
-        Some(Value::Vec3fVec(values)) => Ok(bytemuck::cast_slice(&values).to_vec()),
-        Some(Value::Vec3dVec(values)) => {
-            Ok(values.iter().map(|v| Vec3::new(v.x as f32, v.y as f32, v.z as f32)).collect())
-        }
-        _ => {
-            let at = time.map_or(String::new(), |time| format!(" at time {}", time.value()));
-            Err(Error::usd(format!("{}.{name} has no value{at}", prim.path()))
-                .code(codes::CACHE_FRAMES)
-                .remedy("cache this frame again"))
-        }
-    }
+fn vectors_at(prim: &Prim, name: &str, time: f64) -> Result<Vec<Vec3>, Error> {
+    vectors(prim, name, Some(TimeCode::new(time)))?.ok_or_else(|| {
+        let fault = Error::usd(format!("{}.{name} has no value at time {time}", prim.path()));
+        fault.code(codes::CACHE_FRAMES).remedy("cache this frame again")
+    })
 }
 
 /// The meshes of a stage with points over time.
@@ -302,16 +319,21 @@ fn chosen(meshes: &[Path], cache: &CacheFile, mesh: &MeshAtBind) -> Result<Path,
     }
 }
 
-/// Refuses a mesh with other faces. A cache without faces has points alone.
+/// Refuses a mesh with other triangles. Programs reverse them and begin them at other corners. A cache without faces has points alone.
 fn check_faces(corners: Option<Value>, prim: &Path, file: &FilePath, mesh: &MeshAtBind) -> Result<(), Error> {
     let Some(Value::IntVec(corners)) = corners else { return Ok(()) };
-    let own = &mesh.corners;
-    if corners.len() == own.len() && corners.iter().zip(own).all(|(a, b)| *a == *b as i32) {
+    let sorted = |mut triangle: [i64; 3]| {
+        triangle.sort_unstable();
+        triangle
+    };
+    let cached = corners.as_chunks().0.iter().map(|triangle| sorted(triangle.map(i64::from)));
+    let own = mesh.corners.as_chunks().0.iter().map(|triangle| sorted(triangle.map(i64::from)));
+    if corners.len() == mesh.corners.len() && cached.eq(own) {
         return Ok(());
     }
-    let text = match corners.len() == own.len() {
+    let text = match corners.len() == mesh.corners.len() {
         true => "has its faces in another order".to_owned(),
-        false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
+        false => format!("has {} corners of faces instead of {}", corners.len(), mesh.corners.len()),
     };
     Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", mesh.path))
         .code(codes::CACHE_MISMATCH)

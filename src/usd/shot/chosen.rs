@@ -39,11 +39,8 @@ impl Chosen {
             Ok(chosen) => return Ok((stage, chosen)),
             Err(error) => error,
         };
-        let wanted = options.prim.as_ref().and_then(|wanted| Path::new(wanted).ok()?.parent());
-        let choices = match wanted.filter(|parent| *parent != Path::abs_root()) {
-            Some(parent) => choices_of(&prim_at(&stage, &parent)?, names::LOD).unwrap_or_default(),
-            None => Vec::new(),
-        };
+        let wanted = options.prim.as_ref().and_then(|wanted| Path::new(wanted).ok());
+        let choices = wanted.and_then(|wanted| levels_above(&stage, &wanted).ok()).unwrap_or_default();
         for choice in choices {
             let stage = StageOrigin::new(&options.render, None, &[choice]).open()?;
             if let Ok(chosen) = Self::new(&stage, options) {
@@ -104,11 +101,7 @@ impl Chosen {
     /// # Errors
     /// A stage that cannot be read.
     pub fn other_levels(&self, stage: &Stage, options: &DriveOptions) -> Result<Vec<(Stage, Vec<BoundMesh>)>, Error> {
-        let parent = self.sim.parent().filter(|parent| *parent != Path::abs_root() && !self.is_one);
-        let choices = match parent {
-            Some(parent) => choices_of(&prim_at(stage, &parent)?, names::LOD)?,
-            None => Vec::<Selection>::new(),
-        };
+        let choices = if self.is_one { Vec::new() } else { levels_above(stage, &self.sim)? };
         let mut found = Vec::new();
         let mut known: Vec<Path> = self.meshes.iter().map(|mesh| mesh.path.clone()).collect();
         for choice in choices {
@@ -121,6 +114,14 @@ impl Chosen {
             }
         }
         Ok(found)
+    }
+}
+
+/// The levels of detail of the prim above a mesh.
+fn levels_above(stage: &Stage, mesh: &Path) -> Result<Vec<Selection>, Error> {
+    match mesh.parent().filter(|parent| *parent != Path::abs_root()) {
+        Some(parent) => choices_of(&prim_at(stage, &parent)?, names::LOD),
+        None => Ok(Vec::new()),
     }
 }
 

@@ -92,11 +92,7 @@ impl Clips {
         self.varying.resize(paths.len(), BTreeSet::new());
         for (number, (path, moved)) in paths.iter().zip(meshes).enumerate() {
             PrimSpec::over(&mut clip, path).map_err(unwritable)?;
-            let arrays = moved.arrays().map(|(name, values)| {
-                let values: &[openusd::gf::Vec3f] = bytemuck::cast_slice(values);
-                (name, Value::Vec3fVec(values.to_vec()))
-            });
-            for (name, value) in arrays.chain(moved.values()) {
+            for (name, value) in moved.all_values() {
                 self.varying[number].insert(name);
                 sampled(&mut clip, path, name, vec![(time, value)]).map_err(unwritable)?;
             }
@@ -236,9 +232,9 @@ mod tests {
         let mut clips = Clips::new(file, &times, true, |_| Ok(None)).expect("a folder of clips");
         for (time, height) in times.iter().zip(heights) {
             let points = vec![Vec3::new(0.0, *height, 0.0)];
-            let (normals, velocities, orientations) = (None, None, None);
+            let (normals, velocities, tangents, orientations) = (None, None, None, None);
             let (points_name, reach) = (names::POINTS, Some(0.0));
-            let moved = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
+            let moved = DrivenPrim { points, normals, velocities, tangents, orientations, points_name, reach };
             clips.write(*time, &mesh, &[moved]).expect("a clip");
         }
         let mut layer = empty();

@@ -69,6 +69,11 @@ impl CrateStage {
         Some(CrateSamples { path: self.path.clone(), file, times, places })
     }
 
+    /// Whether there is a property `name` of `prim`.
+    pub fn has(&self, prim: &Path, name: &str) -> bool {
+        prim.append_property(name).is_ok_and(|path| self.tables.paths.contains(&path))
+    }
+
     /// The value of a field that is a whole number or an array of them, or a double.
     pub fn read(&mut self, path: &Path, key: &str) -> Option<Value> {
         let rep = self.tables.fields[self.value(path, key)?].value_rep;

@@ -129,12 +129,11 @@ impl<'a> Way<'a> {
         let (to_world, time) = (self.model.transforms.to_world, self.time);
         let bind = Bind { to_world, time, points: self.points, triangles: &self.triangles, frames: &self.frames };
         let bound = BoundPrim::read(&prim_at(stage, &trim.path)?, &trim.shape.points, &places, &bind)?;
-        let driven = bound.driven(self.to, &self.rotations, None);
+        let driven = bound.driven(self.to, &self.rotations, None, bound.space.as_ref());
         if !driven.points.iter().all(|point| point.is_finite()) {
             return Err(Error::usd("it is too far from the cloth to be bound"));
         }
-        let arrays = driven.arrays().map(|(name, all)| (name, Value::Vec3fVec(bytemuck::cast_slice(all).to_vec())));
-        let changed = arrays.chain(driven.values()).map(|(name, value)| (name.to_owned(), type_of(name), value));
+        let changed = driven.all_values().map(|(name, value)| (name.to_owned(), type_of(name), value));
         let blocked = bound.stale.iter().map(|(name, kind)| (name.clone(), kind.clone(), Value::ValueBlock));
         Ok(FittedTrim {
             path: trim.path.clone(),

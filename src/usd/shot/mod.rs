@@ -25,15 +25,15 @@ use glam::{Quat, Vec3};
 use openusd::gf::{Quath, Vec3f, f16};
 use openusd::sdf::Value;
 use rayon::prelude::*;
-use space::Space;
+use space::{Clock, Space};
 use std::iter;
 use std::path::{Path, PathBuf};
 use stream::ShotWriter;
 use tailor_costume::drive::Driver;
-use tailor_mesh::error::{Error, ErrorKind};
+use tailor_mesh::error::{Error, ErrorKind, Warnings};
 
-pub use cache::CacheFile;
-pub use conversion::{StageMetrics, UpAxis};
+pub use cache::{CacheFile, CacheSpace};
+pub use conversion::StageMetrics;
 pub use playback::Playback;
 
 /// Frames that are in memory at a time, for each thread.
@@ -46,14 +46,12 @@ const MOST_STRETCH: f64 = 2.0;
 pub struct DriveOptions {
     /// A garment that this program built.
     pub render: PathBuf,
-    /// The cache: a USD file with time-sampled points, `.npz` or `.npy`.
-    pub cache: PathBuf,
+    /// The cache.
+    pub cache: CacheFile,
     /// The shot.
     pub output: PathBuf,
     /// Path of the mesh to drive, or of a simulation mesh for all that are bound to it; by default the only simulation mesh.
     pub prim: Option<String>,
-    /// Path of the mesh in the cache; by default that of the simulation mesh, or the only one with its points.
-    pub cache_prim: Option<String>,
     /// Drive the garment's own mesh too, or the panels of which it is sewn.
     pub model: bool,
     /// Write a file for each frame, and a layer that has them as value clips.
@@ -75,6 +73,8 @@ pub struct Driven {
     pub conversions: Vec<String>,
     /// First and last time. \[time codes\]
     pub times: [f64; 2],
+    /// Doubts about the space of the cache.
+    pub warnings: Warnings,
 }
 
 /// Drives the meshes of a built garment by a cache and writes the shot. `progress` hears the number of frames that are done, and of
@@ -85,27 +85,32 @@ pub struct Driven {
 /// finite. Nothing is written then.
 pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Driven, Error> {
     on_large_stack(|| {
-        let bound = Bound::read(options)?;
-        let file = CacheFile { file: options.cache.clone(), prim: options.cache_prim.clone() };
-        let mut cache = Cache::open(&file, &bound.sim)?;
+        let (bound, motions) = Bound::read(options)?;
+        let file = &options.cache.file;
+        let mut cache = Cache::open(&options.cache, &bound.sim)?;
         cache.check_times(options.gaps)?;
-        let mut writer = ShotWriter::new(options, &bound, cache.times(), cache.rate())?;
+        let clock = Clock::new(cache.rate, &bound.metadata);
+        let conversion = Conversion::new(&cache, options.cache.space, &bound.sim, motions.sim.clone(), clock);
+        let mut writer = ShotWriter::new(options, &bound, &cache)?;
         let frames = cache.times().len();
         let chunk = FRAMES_PER_THREAD * rayon::current_num_threads();
-        let (mut done, mut conversion) = (0, Conversion::default());
+        let (mut done, mut warnings) = (0, Warnings::default());
         while done < frames {
             let mut read: Vec<Frame> =
                 (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;
             if done == 0 {
-                conversion = Conversion::new(cache.metrics(), &bound.sim, &read[0]);
+                warnings.extend(conversion.doubt(file, &read[0], &bound.sim)?);
             }
-            read.iter_mut().for_each(|frame| conversion.apply(frame));
+            read.iter_mut().try_for_each(|frame| conversion.apply(frame))?;
             if done == 0 {
-                check_first(&bound.sim, &read[0], &options.cache)?;
+                check_first(&bound.sim, &read[0], file)?;
             }
-            let moved: Vec<Vec<DrivenPrim>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
+            let spaces = read.iter().map(|frame| motions.spaces(&bound.meshes, frame.time, clock));
+            let spaces = spaces.collect::<Result<Vec<_>, Error>>()?;
+            let moved: Vec<Vec<DrivenPrim>> =
+                read.par_iter().zip(&spaces).map(|(frame, spaces)| bound.moved(frame, spaces)).collect();
             for (frame, meshes) in read.iter().zip(&moved) {
-                check_finite(frame.time, meshes, &options.cache)?;
+                check_finite(frame.time, meshes, file)?;
                 writer.write(frame.time, meshes)?;
                 done += 1;
                 progress(done, frames);
@@ -114,7 +119,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         writer.finish()?;
         let points = bound.meshes.iter().map(|mesh| mesh.points).sum();
         let times = [cache.times()[0], cache.times()[frames - 1]];
-        Ok(Driven { frames, points, conversions: conversion.in_words(), times })
+        Ok(Driven { frames, points, conversions: conversion.in_words(times[0])?, times, warnings })
     })
 }
 
@@ -123,6 +128,8 @@ struct DrivenPrim {
     points: Vec<Vec3>,
     normals: Option<Vec<Vec3>>,
     velocities: Option<Vec<Vec3>>,
+    /// Of Hermite curves.
+    tangents: Option<Vec<Vec3>>,
     /// Rotations of instances, as they are and not from those at bind.
     orientations: Option<Vec<Quat>>,
     /// The name of the attribute of its points.
@@ -134,7 +141,8 @@ struct DrivenPrim {
 impl DrivenPrim {
     /// The long arrays, with the names of their attributes.
     fn arrays(&self) -> impl Iterator<Item = (&'static str, &[Vec3])> {
-        let others = [(names::NORMALS, &self.normals), (names::VELOCITIES, &self.velocities)];
+        let others =
+            [(names::NORMALS, &self.normals), (names::VELOCITIES, &self.velocities), (names::TANGENTS, &self.tangents)];
         let others = others.into_iter().filter_map(|(name, values)| Some((name, values.as_deref()?)));
         iter::once((self.points_name, self.points.as_slice())).chain(others)
     }
@@ -155,11 +163,17 @@ impl DrivenPrim {
             .chain(orientations.map(|value| (names::ORIENTATIONS, value)))
     }
 
+    /// Both as values.
+    fn all_values(&self) -> impl Iterator<Item = (&'static str, Value)> {
+        let array = |values| Value::Vec3fVec(bytemuck::cast_slice::<Vec3, Vec3f>(values).to_vec());
+        self.arrays().map(move |(name, values)| (name, array(values))).chain(self.values())
+    }
+
     /// Takes the prim from the space of the simulation mesh to its own.
     fn take_from_sim(&mut self, space: &Space) {
-        space.points_from_sim(&mut self.points);
-        self.normals.iter_mut().for_each(|normals| space.normals_from_sim(normals));
-        self.velocities.iter_mut().for_each(|velocities| space.velocities_from_sim(velocities));
+        space.from_sim.points(&mut self.points, self.velocities.as_mut());
+        self.normals.iter_mut().for_each(|normals| space.from_sim.normals(normals));
+        self.tangents.iter_mut().for_each(|tangents| space.from_sim.tangents(tangents));
     }
 }
 
@@ -175,7 +189,7 @@ fn extent(points: &[Vec3], reach: f32) -> Value {
 
 impl Bound {
     /// The meshes at a frame.
-    fn moved(&self, frame: &Frame) -> Vec<DrivenPrim> {
+    fn moved(&self, frame: &Frame, spaces: &[Option<Space>]) -> Vec<DrivenPrim> {
         let rotations = self.frames.rotations(&frame.points);
         // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
         let step = frame.velocities.as_deref().map(|velocities| (self.velocity_step(velocities), velocities));
@@ -192,8 +206,10 @@ impl Bound {
             let [before, after] = shifted.each_ref().map(|(sim, rotations)| driver.points_by(sim, rotations));
             Some(after.iter().zip(&before).map(|(a, b)| (*a - *b) / (2.0 * step)).collect())
         };
-        let moved = |mesh: &BoundPrim| mesh.driven(&frame.points, &rotations, velocities(&mesh.driver));
-        self.meshes.iter().map(moved).collect()
+        let moved = |(mesh, space): (&BoundPrim, &Option<Space>)| {
+            mesh.driven(&frame.points, &rotations, velocities(&mesh.driver), space.as_ref())
+        };
+        self.meshes.iter().zip(spaces).map(moved).collect()
     }
 
     /// A time in which no point moves by more than a small share of the mesh. \[seconds\]
@@ -204,18 +220,33 @@ impl Bound {
 }
 
 impl BoundPrim {
-    /// The prim with the simulation mesh at `sim`, whose vertices have turned by `rotations` from bind.
-    fn driven(&self, sim: &[Vec3], rotations: &[Quat], velocities: Option<Vec<Vec3>>) -> DrivenPrim {
+    /// The prim in `space`, with the simulation mesh at `sim`, whose vertices have turned by `rotations` from bind.
+    fn driven(
+        &self,
+        sim: &[Vec3],
+        rotations: &[Quat],
+        velocities: Option<Vec<Vec3>>,
+        space: Option<&Space>,
+    ) -> DrivenPrim {
         let normals = self.normals.as_ref().map(|n| self.driver.directions_by(rotations, &n.values, &n.points));
         let orientations = self.orientations.as_ref().map(|at_bind| {
             let turns = self.driver.rotations_by(rotations);
-            let own = turns.into_iter().map(|turn| self.space.as_ref().map_or(turn, |s| s.rotation_from_sim(turn)));
+            let own = turns.into_iter().map(|turn| space.map_or(turn, |space| space.rotation_from_sim(turn)));
             own.zip(at_bind).map(|(turn, at_bind)| (turn * *at_bind).normalize()).collect()
         });
+        let turned = |tangents: &Vec<Vec3>| {
+            self.driver
+                .rotations_by(rotations)
+                .into_iter()
+                .zip(tangents)
+                .map(|(turn, tangent)| turn * *tangent)
+                .collect()
+        };
+        let tangents = self.tangents.as_ref().map(turned);
         let (points_name, reach) = (self.points_name, self.reach);
         let points = self.driver.points_by(sim, rotations);
-        let mut driven = DrivenPrim { points, normals, velocities, orientations, points_name, reach };
-        if let Some(space) = &self.space {
+        let mut driven = DrivenPrim { points, normals, velocities, tangents, orientations, points_name, reach };
+        if let Some(space) = space {
             driven.take_from_sim(space);
         }
         driven
@@ -224,10 +255,8 @@ impl BoundPrim {
 
 /// Refuses a frame whose points are so far apart that those of the mesh, or their velocities, are beyond the numbers of a file.
 fn check_finite(time: f64, meshes: &[DrivenPrim], file: &Path) -> Result<(), Error> {
-    let mut arrays = meshes
-        .iter()
-        .flat_map(|mesh| [Some(&mesh.points), mesh.normals.as_ref(), mesh.velocities.as_ref()].into_iter().flatten());
-    if time.is_finite() && arrays.all(|values| values.iter().all(|value| value.is_finite())) {
+    let mut arrays = meshes.iter().flat_map(DrivenPrim::arrays);
+    if time.is_finite() && arrays.all(|(_, values)| values.iter().all(|value| value.is_finite())) {
         return Ok(());
     }
     let text = format!("frame {time} moves points to places or with velocities that are not finite");

@@ -4,14 +4,12 @@ use super::bound::MeshAtBind;
 use super::cache::{Cache, CacheFile, Frame};
 use super::check_first;
 use super::conversion::{Conversion, StageMetrics};
-use crate::read::Facts;
+use super::space::{Clock, Motion, TIME_CODES};
+use crate::read::Source;
 use glam::Vec3;
 use openusd::sdf::Path;
 use tailor_mesh::error::Error;
 use tailor_mesh::garment::Mesh;
-
-/// Time codes of a second where a cache does not say, as in USD.
-const TIME_CODES: f64 = 24.0;
 
 /// A cache that moves a mesh. One frame is in memory at a time.
 pub struct Playback {
@@ -28,17 +26,20 @@ impl Playback {
     ///
     /// # Errors
     /// A file that is not a cache; a cache of another mesh, or with points in another order.
-    pub fn open(file: &CacheFile, path: &str, mesh: &Mesh, stage: &Facts) -> Result<Self, Error> {
+    pub fn open(file: &CacheFile, path: &str, mesh: &Mesh, source: &Source) -> Result<Self, Error> {
         let path = Path::new(path).map_err(|e| Error::usd(format!("{path} is not a path: {e}")))?;
         let counts = mesh.faces.ids().map(|face| mesh.faces.valence(face));
         let corners = mesh.faces.corners().iter().map(|v| v.index() as u32).collect();
-        let metrics = StageMetrics::stated(&stage.up_axis, stage.meters_per_unit);
+        let model = &source.model;
+        let metrics = StageMetrics::of(&model.stage_metadata);
         let mesh = MeshAtBind::new(path, mesh.points.as_slice().to_vec(), counts, corners, metrics);
         let mut cache = Cache::open(file, &mesh)?;
         cache.check_times(true)?;
         let mut first = cache.read(0)?;
-        let conversion = Conversion::new(cache.metrics(), &mesh, &first);
-        conversion.apply(&mut first);
+        let garment = Motion { at_bind: model.transforms.to_world, ..Motion::default() };
+        let clock = Clock::new(cache.rate, &model.stage_metadata);
+        let conversion = Conversion::new(&cache, file.space, &mesh, garment, clock);
+        conversion.apply(&mut first)?;
         check_first(&mesh, &first, &file.file)?;
         Ok(Self { file: file.clone(), mesh, cache, conversion, next: 1 })
     }
@@ -50,7 +51,7 @@ impl Playback {
 
     /// Frames of a second.
     pub fn rate(&self) -> f64 {
-        let [frames, codes] = self.cache.rate();
+        let [frames, codes] = self.cache.rate;
         let codes = codes.or(frames).unwrap_or(TIME_CODES);
         let times = self.times();
         let span = times[times.len() - 1] - times[0];
@@ -63,7 +64,7 @@ impl Playback {
     /// A frame that cannot be read, or has points that are not finite.
     pub fn points(&mut self, frame: usize) -> Result<Vec<Vec3>, Error> {
         let mut read = self.read(frame)?;
-        self.conversion.apply(&mut read);
+        self.conversion.apply(&mut read)?;
         Ok(read.points)
     }
 

@@ -5,7 +5,7 @@
 //! the arrays. Source: OpenUSD, `pxr/usd/sdf/crateFile.h` (the layout of the file).
 
 use super::bound::Bound;
-use super::cache::RATE;
+use super::cache::{Cache, RATE};
 use super::clips::Clips;
 use super::{DriveOptions, DrivenPrim};
 use crate::assets::same_file;
@@ -61,7 +61,8 @@ impl ShotWriter {
     ///
     /// # Errors
     /// An output that may not be written.
-    pub fn new(options: &DriveOptions, bound: &Bound, times: &[f64], rate: [Option<f64>; 2]) -> Result<Self, Error> {
+    pub fn new(options: &DriveOptions, bound: &Bound, cache: &Cache) -> Result<Self, Error> {
+        let times = cache.times();
         let is_used = |file: &FilePath| Ok(used(options, bound, &[file.to_path_buf()])?.is_some());
         let file = OutputFile::find(&options.output, is_used, options.force)?;
         if file.format == Format::Usdz {
@@ -69,7 +70,7 @@ impl ShotWriter {
                 .code(codes::OUTPUT_PATH)
                 .remedy("write .usdc, and package it with usdzip"));
         }
-        let layer = layer(options, bound, &file, times, rate)?;
+        let layer = layer(options, bound, &file, times, cache.rate)?;
         let fault = |e: io::Error| file.fault(&e);
         let out = match file.format {
             _ if options.clips => {
@@ -92,7 +93,8 @@ impl ShotWriter {
             if mesh.is_skinned {
                 unbind(&mut writer.layer, &mesh.path).map_err(unwritable)?;
             }
-            for (name, kind) in &mesh.stale {
+            let is_driven = |name: &str| name == names::VELOCITIES && cache.has_velocities();
+            for (name, kind) in mesh.stale.iter().filter(|(name, _)| !is_driven(name)) {
                 block(&mut writer.layer, &mesh.path, name, kind).map_err(unwritable)?;
             }
         }
@@ -192,7 +194,7 @@ fn used(options: &DriveOptions, bound: &Bound, files: &[PathBuf]) -> Result<Opti
     if let Some(layer) = files.iter().position(is_layer) {
         return Ok(Some(layer));
     }
-    Ok(first_used(&options.render, files)?.or(first_used(&options.cache, files)?))
+    Ok(first_used(&options.render, files)?.or(first_used(&options.cache.file, files)?))
 }
 
 /// The error of a shot that the USD library does not write.
@@ -222,7 +224,7 @@ pub fn type_of(name: &str) -> ValueTypeName {
         names::POINTS | names::POSITIONS => ValueTypeName::POINT3F_ARRAY,
         names::ORIENTATIONS => ValueTypeName::QUATH_ARRAY,
         names::NORMALS => ValueTypeName::NORMAL3F_ARRAY,
-        names::VELOCITIES => ValueTypeName::VECTOR3F_ARRAY,
+        names::VELOCITIES | names::TANGENTS => ValueTypeName::VECTOR3F_ARRAY,
         _ => ValueTypeName::FLOAT3_ARRAY,
     }
 }

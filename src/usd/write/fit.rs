@@ -7,8 +7,8 @@ use super::save::OutputFile;
 use super::trims::{BoundTrim, FittedTrims, TrimBindings, fitted_trims};
 use super::variant::copy_into_variant;
 use crate::read::{
-    FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, frozen_trim, points_name, prim_at,
-    property_names, transforms, value,
+    FittedPoints, FittedTrim, Model, OrUnreadable, Selection, Source, dependent_attributes, frozen_trim, points_name,
+    prim_at, transforms, vectors,
 };
 use crate::{codes, names, on_large_stack};
 use glam::Vec3;
@@ -46,8 +46,8 @@ fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
     Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
 }
 
-/// Writes the new points of garments of one stage, and those of their trims, as a layer over it. Authored normals of garments are
-/// blocked, since they are of the old points. Of the options, `force`, `dry_run` and `record` count. Returns the trims. See
+/// Writes the new points of garments of one stage, and those of their trims, as a layer over it. Normals and velocities of garments
+/// are blocked, since they are of the old points. Of the options, `force`, `dry_run` and `record` count. Returns the trims. See
 /// [`Source::set_fitted`].
 ///
 /// # Errors
@@ -209,10 +209,7 @@ impl Author<'_> {
         for panel in &model.panels {
             let prim = prim_at(stage, panel)?;
             let from_garment = transforms(&prim, time)?.to_world.inverse() * model.transforms.to_world;
-            let own: Vec<Vec3> = match value(&prim, names::POINTS, time)? {
-                Some(Value::Vec3fVec(points)) => bytemuck::cast_slice(&points).to_vec(),
-                _ => Vec::new(),
-            };
+            let own = vectors(&prim, names::POINTS, time)?.unwrap_or_default();
             let count = own.len();
             let at = |i: usize| {
                 let point = fitted.points[model.sewing.points.get(i).copied().unwrap_or(i)];
@@ -221,21 +218,22 @@ impl Author<'_> {
             };
             let points: Vec<Vec3> = (next..next + count).map(at).collect();
             next += count;
-            let is_normals = |name: &String| [names::NORMALS, "primvars:normals"].contains(&name.as_str());
-            let normals: Vec<String> = property_names(&prim)?.into_iter().filter(is_normals).collect();
-            let made: Vec<Vec3> = match value(&prim, names::FIT_FROM, time)? {
-                // It was fitted before.
-                Some(Value::Vec3fVec(made)) if made.len() == count => bytemuck::cast_slice(&made).to_vec(),
-                _ => own,
-            };
-            self.moved(panel, &points, &made, &normals).or_unreadable(panel)?;
+            // Where it was fitted before.
+            let made = vectors(&prim, names::FIT_FROM, time)?.filter(|made| made.len() == count).unwrap_or(own);
+            self.moved(panel, &points, &made, &dependent_attributes(&prim)?).or_unreadable(panel)?;
             warnings.extend(motion(&prim, names::POINTS)?);
         }
         Ok(warnings)
     }
 
-    /// Authors other points of a mesh and those that it was made with, and blocks its normals.
-    fn moved(&mut self, prim: &sdf::Path, points: &[Vec3], made: &[Vec3], normals: &[String]) -> openusd::Result<()> {
+    /// Authors other points of a mesh and those that it was made with, and blocks what is of its old points.
+    fn moved(
+        &mut self,
+        prim: &sdf::Path,
+        points: &[Vec3],
+        made: &[Vec3],
+        stale: &[(String, ValueTypeName)],
+    ) -> openusd::Result<()> {
         PrimSpec::over(self.data, prim)?;
         let extent = Value::Vec3fVec(extent(points));
         let [points, made] = [points, made].map(|points| Value::Vec3fVec(bytemuck::cast_slice(points).to_vec()));
@@ -244,8 +242,8 @@ impl Author<'_> {
         self.at_all_times(prim, names::FIT_FROM, ValueTypeName::POINT3F_ARRAY, made)?;
         let path = prim.append_property(names::FIT_FROM)?;
         self.data.set_field(&path, names::INTERPOLATION, Value::Token(Token::from("vertex")));
-        for name in normals {
-            self.at_all_times(prim, name, ValueTypeName::NORMAL3F_ARRAY, Value::ValueBlock)?;
+        for (name, kind) in stale {
+            self.at_all_times(prim, name, kind.clone(), Value::ValueBlock)?;
         }
         Ok(())
     }

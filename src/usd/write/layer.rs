@@ -1,6 +1,6 @@
 //! Products into layers, and layers into files or bytes.
 
-use super::crates::{encode_plainly, remove_unwritable};
+use super::crates::{encode, remove_unwritable};
 use super::fit::author_fits;
 use super::flatten::flattened;
 use super::levels::{LevelPart, check_levels, copy_levels, level_variants};
@@ -113,8 +113,7 @@ pub struct Surroundings<'a> {
     pub source: Option<&'a str>,
 }
 
-/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). The crate is faster to write and read
-/// than that of a file, and larger.
+/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`).
 ///
 /// # Errors
 /// As [`write()`]; and `Usdz`, which is a package and no layer.
@@ -132,12 +131,10 @@ pub fn layer_bytes(
         let all = [GarmentProducts { source, products, variant: None }];
         let ((mut data, _), mut warnings) = compose(&all, frame, options)?;
         let bytes = match format {
-            Format::Usda => text_of(&data)
-                .map(String::into_bytes)
-                .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(codes::WRITE_FAILED)),
+            Format::Usda => text_of(&data),
             Format::Usdc => {
                 warnings.extend(remove_unwritable(&mut data));
-                encode_plainly(&mut data)
+                encode(&data)
             }
             Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
                 .code(codes::OUTPUT_PATH)
@@ -187,7 +184,7 @@ fn compose(
     if let Some(record) = &options.record {
         let of =
             |garment: &GarmentProducts| level_variants(&garment.source.model, garment.products, options.lod_schema);
-        record.with_variants(garments.iter().flat_map(of)).author(&mut data)?;
+        record.with_variants(garments.iter().flat_map(of)).with_warnings(warnings.iter()).author(&mut data)?;
     }
     Ok(((data, trims), warnings))
 }

@@ -42,7 +42,7 @@ impl Author<'_> {
         let path = self.model.sibling_path(product.name)?;
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
-        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product, &model.panels)));
+        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(product.doc(&model.panels)));
         self.data.set_field(&path, names::CUSTOM_DATA, self.mark(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
@@ -125,9 +125,7 @@ impl Author<'_> {
     /// Faces and coordinates of a binding, by their names.
     fn places(&mut self, prim: &Path, names: [&str; 2], binding: &Binding) -> openusd::Result<()> {
         self.ints(prim, names[0], binding.faces.iter().map(|face| *face as i32).collect())?;
-        let coords: &[Vec3f] = bytemuck::cast_slice(&binding.coords);
-        let (type_name, value) = (ValueTypeName::FLOAT3_ARRAY, Value::Vec3fVec(coords.to_vec()));
-        self.attribute(prim, names[1], type_name, Variability::Varying, value)
+        self.vectors(prim, names[1], ValueTypeName::FLOAT3_ARRAY, &binding.coords)
     }
 
     /// Authors a relationship to one prim.
@@ -157,6 +155,10 @@ impl Author<'_> {
         for path in &self.model.panels {
             PrimSpec::over(self.data, path)?;
             self.token(path, names::PURPOSE, purpose)?;
+        }
+        for path in &self.model.below {
+            PrimSpec::over(self.data, path)?;
+            self.token(path, names::PURPOSE, self.model.purpose.as_deref().unwrap_or("default"))?;
         }
         Ok(())
     }
@@ -190,6 +192,17 @@ impl Author<'_> {
         self.attribute(prim, name, ValueTypeName::FLOAT_ARRAY, Variability::Varying, Value::FloatVec(values))
     }
 
+    pub(super) fn vectors(
+        &mut self,
+        prim: &Path,
+        name: &str,
+        kind: ValueTypeName,
+        values: &[Vec3],
+    ) -> openusd::Result<()> {
+        let values = Value::Vec3fVec(bytemuck::cast_slice(values).to_vec());
+        self.attribute(prim, name, kind, Variability::Varying, values)
+    }
+
     /// Applied schemas; an explicit list where it replaces the one of an earlier product.
     pub(super) fn schemas(&mut self, prim: &Path, schemas: &[Token], replace: bool) {
         let list = match replace {
@@ -201,11 +214,10 @@ impl Author<'_> {
     }
 
     fn mesh(&mut self, prim: &Path, role: ProductRole, mesh: &Mesh) -> openusd::Result<()> {
-        let points: &[Vec3f] = bytemuck::cast_slice(mesh.points.as_slice());
-        let points = Value::Vec3fVec(points.to_vec());
-        let extent = Value::Vec3fVec(extent(mesh.points.as_slice()));
+        let points = mesh.points.as_slice();
+        let extent = Value::Vec3fVec(extent(points));
         self.attribute(prim, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, Variability::Varying, extent)?;
-        self.attribute(prim, names::POINTS, ValueTypeName::POINT3F_ARRAY, Variability::Varying, points)?;
+        self.vectors(prim, names::POINTS, ValueTypeName::POINT3F_ARRAY, points)?;
         let faces = &mesh.faces;
         let counts = faces.ids().map(|f| faces.valence(f) as i32).collect();
         self.ints(prim, names::FACE_VERTEX_COUNTS, counts)?;
@@ -355,17 +367,6 @@ pub fn fault(error: openusd::Error) -> Error {
 /// The warning of a primvar that no file can hold.
 fn misfit(prim: &Path, name: &str) -> Warning {
     Warning::not_carried(format!("{prim}.{name}"), "USD has no type for its values")
-}
-
-fn doc(product: &Product, panels: &[Path]) -> String {
-    let panels = product.panel.and_then(|panel| panels.get(panel..=panel)).unwrap_or(panels);
-    let what = match product.role {
-        ProductRole::Sim => "Simulation mesh",
-        ProductRole::Render => "Render mesh",
-    };
-    let panels: Vec<String> = panels.iter().map(|panel| format!("<{panel}>")).collect();
-    let level = if product.level > 0 { format!(", level of detail {}", product.level) } else { String::new() };
-    format!("{what} made by usd-tailor from {}{level}.", panels.join(", "))
 }
 
 impl Author<'_> {

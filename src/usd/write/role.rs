@@ -2,6 +2,8 @@
 
 use crate::names;
 use crate::read::{Selection, Source};
+use openusd::sdf::Path;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tailor_costume::binding::Binding;
@@ -46,7 +48,8 @@ impl ProductRole {
 }
 
 /// The sets that products have. Programs that read subsets for materials alone warn of others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub enum SetChoice {
     /// Sets with a material.
     None,
@@ -100,6 +103,18 @@ impl<'a> Product<'a> {
             cage_binding: None,
             trims: None,
         }
+    }
+
+    /// The documentation of its prim, made of a model of `panels`.
+    pub(super) fn doc(&self, panels: &[Path]) -> String {
+        let panels = self.panel.and_then(|panel| panels.get(panel..=panel)).unwrap_or(panels);
+        let what = match self.role {
+            ProductRole::Sim => "Simulation mesh",
+            ProductRole::Render => "Render mesh",
+        };
+        let panels: Vec<String> = panels.iter().map(|panel| format!("<{panel}>")).collect();
+        let level = if self.level > 0 { format!(", level of detail {}", self.level) } else { String::new() };
+        format!("{what} made by usd-tailor from {}{level}.", panels.join(", "))
     }
 
     /// The name of its prim, or of that above it, beside the model.

@@ -1,6 +1,6 @@
 //! Products of a variant: opinions inside the variant, beside those of the other variants.
 
-use crate::read::Selection;
+use crate::read::{Selection, joined};
 use openusd::sdf::{self, AbstractData, CopyChildren, CopyValue, Data, FieldKey, Path, PrimSpec, Value};
 
 /// Copies what `part` says of the prim of the last one of `selections`, and of all below it, into that variant in `data`, which is
@@ -13,8 +13,7 @@ pub fn copy_into_variant(data: &mut Data, part: &Data, selections: &[&Selection]
     for selection in selections {
         let path = Path::new(&selection.prim)?;
         let below = path.as_str().strip_prefix(prim.as_str()).unwrap_or_default();
-        let place =
-            below.split('/').filter(|name| !name.is_empty()).try_fold(owner, |path, name| path.append_path(name))?;
+        let place = joined(owner, below)?;
         if !data.has_spec(&place) {
             PrimSpec::over(data, &place)?;
         }

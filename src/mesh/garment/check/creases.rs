@@ -99,8 +99,8 @@ fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<
 pub(super) fn corners(input: &Garment, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<Corner> {
     let sharpnesses = sharpnesses("cornerSharpnesses", &input.corner_sharpnesses, problems);
     let indices = Indices { attribute: "cornerIndices", kind: "point", count: mesh.points };
-    let vertices: Vec<Option<VertexId>> = indices.handles(&input.corner_indices, |i| Entry("entry", i), problems);
-    check_twice(&vertices, problems);
+    let mut vertices: Vec<Option<VertexId>> = indices.handles(&input.corner_indices, |i| Entry("entry", i), problems);
+    check_twice(&mut vertices, &sharpnesses, problems);
     let (found, needed) = (sharpnesses.len(), vertices.len());
     if found != needed {
         let fault = format_args!("holds {}, but cornerIndices holds {needed}", Count(found, "number"));
@@ -111,11 +111,12 @@ pub(super) fn corners(input: &Garment, mesh: &MeshCheck<'_>, problems: &mut Prob
     corners.filter_map(|(vertex, sharpness)| Some(Corner { vertex: vertex?, sharpness })).collect()
 }
 
-/// Checks that no point is a corner twice.
-fn check_twice(vertices: &[Option<VertexId>], problems: &mut Problems) {
+/// Checks that no point is a corner twice, and leaves out those that are with one sharpness.
+fn check_twice(vertices: &mut [Option<VertexId>], sharpnesses: &[f32], problems: &mut Problems) {
     let keys = vertices.iter().enumerate().filter_map(|(i, v)| Some((i, (*v)?)));
     for Repeat { first, again } in repeats(keys) {
-        let Some(vertex) = vertices[again] else { continue };
+        let vertex = vertices[again].take().filter(|_| sharpnesses.get(first) != sharpnesses.get(again));
+        let Some(vertex) = vertex else { continue };
         let fault = format_args!("entry {again} names point {} again, after entry {first}", vertex.index());
         let remedy = format_args!("keep one of the two, and its sharpness");
         problems.add(codes::CREASE_DATA, "cornerIndices", fault, remedy);

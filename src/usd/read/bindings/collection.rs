@@ -1,95 +1,96 @@
 //! Collections of prims (`UsdCollectionAPI`).
 
-use crate::read::query::{OrUnreadable, prim_at, text_value, with_ancestors};
+use crate::names;
+use crate::read::choose::all_prims;
+use crate::read::query::{OrUnreadable, prim_at, property_names};
 use openusd::sdf::Path;
-use openusd::usd::Stage;
-use std::collections::HashMap;
-use tailor_mesh::error::Error;
+use openusd::usd::{CollectionAPI, MembershipQuery, PrimPredicate, Stage};
+use std::path::Path as FilePath;
+use tailor_mesh::error::{Error, Warning};
 
 /// The text between the prim of a collection and its name, as in `/Suit.collection:props`.
 pub const COLLECTION: &str = ".collection:";
-/// Collections that one may hold, and these in turn.
+/// Collections that one may hold, and these in turn. The USD library goes from one to the next on the stack.
 const MAX_COLLECTIONS: usize = 100;
 
-/// The paths that decide about members, as `UsdCollectionAPI` resolves them: a collection takes over the paths of those that
-/// it includes, and its own includes and excludes are stronger.
-#[derive(Default)]
-pub struct Collection {
-    members: HashMap<Path, Membership>,
-}
-
-/// The rule of a path of a collection.
-#[derive(Clone, Copy, PartialEq)]
-enum Membership {
-    /// The prim, and all below it.
-    Expanded,
-    /// The prim alone.
-    Explicit,
-    /// Neither the prim nor those below it.
-    Exclusions,
-}
-
-impl Collection {
-    /// The collection of a name such as `/Suit.collection:props`.
-    ///
-    /// # Errors
-    /// One that is not there or includes nothing.
-    pub fn read(stage: &Stage, name: &str) -> Result<Self, Error> {
-        let mut collection = Self::default();
-        collection.add(stage, name, &mut Vec::new())?;
-        Ok(collection)
+/// The members of the collection of a name such as `/Suit.collection:props`.
+///
+/// # Errors
+/// One that is not there or includes nothing.
+pub fn members(stage: &Stage, name: &str) -> Result<MembershipQuery, Error> {
+    let fault = |text: &str, remedy: &str| {
+        Error::usd(format!("{name} {text}")).code(tailor_mesh::codes::WRONG_PRIM).remedy(remedy)
+    };
+    let example = "name it as /Suit.collection:props, with a relationship collection:props:includes";
+    let missing = || fault("is not a collection, or includes nothing", example);
+    let instance = |path: &Path| CollectionAPI::instance_at_path(path);
+    let mut held: Vec<_> = Path::new(name).ok().as_ref().and_then(instance).into_iter().collect();
+    let mut collections = Vec::new();
+    while let Some((path, name)) = held.get(collections.len()).cloned() {
+        let collection = CollectionAPI::from_prim_unchecked(prim_at(stage, &path)?, name);
+        for nested in collection.includes().or_unreadable(&path)?.iter().filter_map(instance) {
+            if !held.contains(&nested) {
+                held.push(nested);
+            }
+        }
+        if held.len() > MAX_COLLECTIONS {
+            let text = format!("holds more than {MAX_COLLECTIONS} collections");
+            return Err(fault(&text, "name the prims themselves"));
+        }
+        collections.push(collection);
     }
+    let first = collections.first().ok_or_else(missing)?;
+    let members = first.compute_membership_query().or_unreadable(first.path())?;
+    if members.is_empty() { Err(missing()) } else { Ok(members) }
+}
 
-    /// Adds the members of the collection `name`, those of collections that it includes first. `read` has the names of the
-    /// collections that were read.
-    fn add(&mut self, stage: &Stage, name: &str, read: &mut Vec<String>) -> Result<(), Error> {
-        if read.iter().any(|known| known == name) {
-            return Ok(());
-        }
-        read.push(name.to_owned());
-        if read.len() > MAX_COLLECTIONS {
-            return Err(Error::usd(format!("{} holds more than {MAX_COLLECTIONS} collections", read[0]))
-                .code(tailor_mesh::codes::WRONG_PRIM)
-                .remedy("name the prims themselves"));
-        }
-        let missing = || {
-            Error::usd(format!("{name}: there is no such collection, or it includes nothing by path"))
-                .code(tailor_mesh::codes::WRONG_PRIM)
-                .remedy(
-                    "a collection is named as /Suit.collection:props, and has a relationship collection:props:includes",
-                )
-        };
-        let (prim, own) = name.split_once(COLLECTION).ok_or_else(missing)?;
-        let path = Path::new(prim).ok().filter(|path| path.is_abs() && path.is_prim_path()).ok_or_else(missing)?;
+/// A relationship of a collection, or of pairs that do not collide, with its targets.
+pub struct Naming {
+    relationship: Path,
+    targets: Vec<Path>,
+}
+
+/// What names prims of a stage for anything but materials, which products follow by themselves.
+///
+/// # Errors
+/// A stage of too many prims.
+pub fn namings(stage: &Stage, file: &FilePath) -> Result<Vec<Naming>, Error> {
+    let (mut found, mut of_materials) = (Vec::new(), Vec::new());
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
-        let targets = |kind: &str| {
-            let relationship = prim.relationship(format!("collection:{own}:{kind}").as_str());
-            relationship.targets().or_unreadable(&path)
-        };
-        let rule = match text_value(&prim, &format!("collection:{own}:expansionRule"), None)?.as_deref() {
-            Some("explicitOnly") => Membership::Explicit,
-            _ => Membership::Expanded,
-        };
-        let includes = targets("includes")?;
-        if includes.is_empty() {
-            return Err(missing());
+        for name in property_names(&prim)? {
+            let is_of_material = name.starts_with(names::MATERIAL_BINDING_COLLECTION);
+            let is_members =
+                name.starts_with("collection:") && (name.ends_with(":includes") || name.ends_with(":excludes"));
+            if !is_of_material && !is_members && name != "physics:filteredPairs" {
+                continue;
+            }
+            let targets = prim.relationship(name.as_str()).targets().or_unreadable(&path)?;
+            if is_of_material {
+                of_materials.extend(targets);
+            } else {
+                found.push(Naming { relationship: path.append_property(name.as_str()).or_unreadable(&path)?, targets });
+            }
         }
-        let (collections, prims): (Vec<Path>, Vec<Path>) =
-            includes.into_iter().partition(|target| target.as_str().contains(COLLECTION));
-        for collection in collections {
-            self.add(stage, collection.as_str(), read)?;
-        }
-        self.members.extend(prims.into_iter().map(|prim| (prim, rule)));
-        self.members.extend(targets("excludes")?.into_iter().map(|prim| (prim, Membership::Exclusions)));
-        Ok(())
     }
+    let is_of_material = |naming: &Naming| {
+        let collection = naming.relationship.as_str().rsplit_once(':').map(|(collection, _)| collection);
+        of_materials.iter().any(|path| Some(path.as_str()) == collection)
+    };
+    found.retain(|naming| !is_of_material(naming));
+    Ok(found)
+}
 
-    /// Whether a prim is a member: its own rule decides, or that of the nearest prim above it that has one.
-    pub fn holds(&self, path: &Path) -> bool {
-        let mut rules = with_ancestors(path).map(|path| self.members.get(&path));
-        match rules.next().flatten() {
-            Some(own) => *own != Membership::Exclusions,
-            None => rules.flatten().next() == Some(&Membership::Expanded),
-        }
+impl Naming {
+    /// The warning that it names a mesh, and none of the products beside it.
+    pub fn misses_products(&self, mesh: &Path) -> Option<Warning> {
+        let is_product = |path: &Path| {
+            let role = path.name().and_then(|name| name.rsplit('_').next());
+            path.parent() == mesh.parent() && role.is_some_and(|role| [names::SIM, names::RENDER].contains(&role))
+        };
+        let is_missing = self.targets.contains(mesh) && !self.targets.iter().any(is_product);
+        let why = format!("it names {mesh}, and products are not added to it");
+        let remedy = "Add them, such as render and sim beside the mesh, or name the prim above";
+        is_missing.then(|| Warning::not_carried(&self.relationship, why).remedy(remedy))
     }
 }

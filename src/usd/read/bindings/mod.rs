@@ -3,7 +3,7 @@
 
 mod collection;
 
-pub use collection::{COLLECTION, Collection};
+pub use collection::{COLLECTION, Naming, members, namings};
 
 use super::model::Model;
 use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value, with_ancestors};
@@ -160,7 +160,8 @@ fn winner(prim: &Prim, purpose: &str) -> Result<Option<Winner>, Error> {
             let [collection, material] = &place.relationship(name.as_str()).targets().or_unreadable(&path)?[..] else {
                 continue;
             };
-            if here.is_none() && Collection::read(stage, collection.as_str()).is_ok_and(|c| c.holds(prim.path())) {
+            if here.is_none() && members(stage, collection.as_str()).is_ok_and(|all| all.is_path_included(prim.path()))
+            {
                 here = Some((name.clone(), Winner { material: material.clone(), is_collection: true }));
             }
         }

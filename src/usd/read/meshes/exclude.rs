@@ -1,17 +1,17 @@
 //! Meshes that are left out: by name, path or pattern, or by a collection of the stage (`UsdCollectionAPI`).
 
-use crate::read::bindings::{COLLECTION, Collection};
+use crate::read::bindings::{COLLECTION, members};
 use crate::read::choose::{all_meshes, list};
 use crate::read::query::with_ancestors;
 use openusd::sdf::Path;
-use openusd::usd::Stage;
+use openusd::usd::{MembershipQuery, Stage};
 use std::path::Path as FilePath;
 use tailor_mesh::error::Error;
 
 /// The meshes that `--exclude` leaves out.
 pub struct Exclusions<'a> {
     patterns: Vec<&'a str>,
-    collections: Vec<Collection>,
+    collections: Vec<MembershipQuery>,
 }
 
 impl<'a> Exclusions<'a> {
@@ -27,8 +27,8 @@ impl<'a> Exclusions<'a> {
         let meshes = all_meshes(stage, file)?;
         for name in names {
             let is_used = if name.contains(COLLECTION) {
-                let collection = Collection::read(stage, name)?;
-                let is_used = meshes.iter().any(|path| collection.holds(path));
+                let collection = members(stage, name)?;
+                let is_used = meshes.iter().any(|path| collection.is_path_included(path));
                 excluded.collections.push(collection);
                 is_used
             } else {
@@ -47,7 +47,7 @@ impl<'a> Exclusions<'a> {
     /// Whether a mesh is left out.
     pub fn holds(&self, path: &Path) -> bool {
         self.patterns.iter().any(|pattern| excludes(pattern, path))
-            || self.collections.iter().any(|collection| collection.holds(path))
+            || self.collections.iter().any(|collection| collection.is_path_included(path))
     }
 }
 

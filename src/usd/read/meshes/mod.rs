@@ -9,10 +9,10 @@ mod recipe;
 
 pub use product_names::{LodSchema, ProductNames, level_name, product_names};
 
-use super::model::KnownSurroundings;
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
+use super::surroundings::KnownSurroundings;
 use super::trims;
 use crate::codes;
 use crate::on_large_stack;
@@ -84,15 +84,13 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         meter::check();
         sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);
     }
+    check_panels(&mut sources)?;
     if options.all {
         trims::take(&stage, &mut sources)?;
     }
     let seams = match sources.len() {
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },
-        _ => {
-            check_panels(&mut sources)?;
-            seams(&sources, tolerance)?
-        }
+        _ => seams(&sources, tolerance)?,
     };
     sources[0].warnings.extend(left_out);
     for unsewn in &seams.unsewn {
@@ -102,12 +100,16 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     laid::garments(&stage, &mut sources, &seams, time)
 }
 
-/// Checks meshes before they are parts of others, as faults name the elements of the mesh itself.
+/// Checks meshes before they are trims or parts of others, as faults name the elements of the mesh itself.
 fn check_panels(sources: &mut [Source]) -> Result<(), Error> {
+    let is_lone = sources.len() == 1;
     for source in sources {
         let mesh = source.garment.as_mut().map_err(|fault| fault.clone())?;
         let (checked, _) = check_garment(mesh.clone())?;
-        mesh.leave_out(&checked);
+        // A lone mesh is checked again, with the warnings of what it leaves out.
+        if !is_lone {
+            mesh.leave_out(&checked);
+        }
     }
     Ok(())
 }

@@ -4,12 +4,13 @@ use super::recipe;
 use crate::names;
 use crate::read::bindings::resolve_inherited;
 use crate::read::facts::{material_paths, materials};
-use crate::read::model::{Model, Sewing, SubsetRecord, siblings};
+use crate::read::model::{Model, Sewing, SubsetRecord};
 use crate::read::primvars::{Declarations, read_primvar};
 use crate::read::query::prim_at;
 use crate::read::recipe::add_constraint;
 use crate::read::source::{PanelSeam, Source};
 use crate::read::space::{Transforms, space as space_of, transforms};
+use crate::read::surroundings::siblings;
 use crate::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
@@ -73,6 +74,7 @@ pub fn sewn(
         declarations,
         applied: union(panels.iter().map(|panel| &panel.model.applied)),
         staying: union(panels.iter().map(|panel| &panel.model.staying)),
+        below: union(panels.iter().map(|panel| &panel.model.below)),
         transforms: Transforms { to_parent: DMat4::IDENTITY, to_world: space },
         ..first.model.clone()
     };

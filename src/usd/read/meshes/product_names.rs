@@ -2,11 +2,13 @@
 
 use crate::names::{LOD, RENDER};
 use crate::read::Source;
+use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use tailor_mesh::garment::free_name;
 
 /// How levels of detail are in a stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
 pub enum LodSchema {
     /// Variants of the set `LOD` of the prim above, each with one render mesh.
     #[default]

@@ -15,11 +15,9 @@ use super::variants::{SESSION, Selection, session_layer};
 use crate::assets::as_named;
 use crate::codes;
 use content::CHANGED;
-use openusd::ar;
 use openusd::usd::Stage;
-use resolver::{is_text, readable_layer};
 use std::fs;
-use std::io::{self, Cursor};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor_mesh::error::{Error, plain};
@@ -82,7 +80,7 @@ fn obsolete_crate(content: &[u8]) -> Option<String> {
 const IN_MEMORY: &str = "composed.usd";
 
 fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
-    Stage::builder().resolver(InMemory::new(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
+    Stage::builder().resolver(Files::default().with_layer(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
         let words = e.to_string();
         Error::usd(format!("{} cannot be read once composed: {}", file.display(), words.trim_start_matches("error: ")))
             .code(codes::COMPOSITION_FAILED)
@@ -90,88 +88,27 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     })
 }
 
-/// A layer in memory as an asset. The content of a crate is shared.
-fn in_memory(content: &Arc<[u8]>) -> io::Result<Box<dyn ar::Asset>> {
-    let buffer = if is_text(content) {
-        ar::AssetBuffer::Owned(readable_layer(content.to_vec())?)
-    } else {
-        ar::AssetBuffer::from(Arc::clone(content))
-    };
-    Ok(Box::new(Cursor::new(buffer)))
-}
-
-/// Resolves one identifier to a layer in memory, and everything else to files.
-struct InMemory {
-    identifier: &'static str,
-    content: Arc<[u8]>,
-    files: Files,
-}
-
-impl InMemory {
-    fn new(identifier: &'static str, content: &Arc<[u8]>) -> Self {
-        Self { identifier, content: Arc::clone(content), files: Files::default() }
-    }
-}
-
-impl ar::Resolver for InMemory {
-    fn create_identifier(&self, asset_path: &str, anchor: Option<&ar::ResolvedPath>) -> String {
-        if asset_path == self.identifier {
-            self.identifier.into()
-        } else {
-            self.files.create_identifier(asset_path, anchor)
-        }
-    }
-
-    fn resolve(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
-        if asset_path == self.identifier {
-            Some(ar::ResolvedPath::new(self.identifier))
-        } else {
-            self.files.resolve(asset_path)
-        }
-    }
-
-    fn resolve_for_new_asset(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
-        self.files.resolve_for_new_asset(asset_path)
-    }
-
-    fn open_asset(&self, resolved_path: &ar::ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
-        if &**resolved_path == Path::new(self.identifier) {
-            return in_memory(&self.content);
-        }
-        self.files.open_asset(resolved_path)
-    }
-}
-
 fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -> Result<Stage, Error> {
     let shown = file.display();
+    let refused = |text: String, remedy: &str| Error::usd(text).code(codes::UNREADABLE_FILE).remedy(remedy);
     let unreadable = |e: io::Error| {
-        Error::usd(format!("cannot read {shown}: {}", plain(&e)))
-            .code(codes::UNREADABLE_FILE)
-            .remedy("check the path, and who may read the file")
+        refused(format!("cannot read {shown}: {}", plain(&e)), "check the path, and who may read the file")
     };
     if file.is_dir() {
-        return Err(Error::usd(format!("{shown} is a folder, not a USD file"))
-            .code(codes::UNREADABLE_FILE)
-            .remedy("name a file inside it"));
+        return Err(refused(format!("{shown} is a folder, not a USD file"), "name a file inside it"));
     }
     require_file(file).map_err(unreadable)?;
-    if fs::metadata(file).map_err(unreadable)?.len() == 0 {
-        return Err(Error::usd(format!("{shown} is empty"))
-            .code(codes::UNREADABLE_FILE)
-            .remedy("export the garment again"));
+    // It is opened, as a file that nobody may read is not damaged.
+    if fs::File::open(file).and_then(|file| file.metadata()).map_err(unreadable)?.len() == 0 {
+        return Err(refused(format!("{shown} is empty"), "export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
-        return Err(Error::usd(format!(
-            "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
-        ))
-        .code(codes::UNREADABLE_FILE)
-        .remedy("export the garment as USD"));
+        let text = format!("{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz");
+        return Err(refused(text, "export the garment as USD"));
     }
     if file.to_str().is_none() {
-        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8"))
-            .code(codes::UNREADABLE_FILE)
-            .remedy("rename the file"));
+        return Err(refused(format!("cannot read {shown}: its name is not UTF-8"), "rename the file"));
     }
     // The file that the system finds, whatever the text of its path would be without links.
     let path = as_named(file)?;
@@ -181,9 +118,7 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
         [] => builder.resolver(Files::of(read_files)),
         variants => {
             let text = session_layer(variants)?.into_bytes();
-            builder
-                .resolver(InMemory { files: Files::of(read_files), ..InMemory::new(SESSION, &text.into()) })
-                .session_layer(SESSION)
+            builder.resolver(Files::of(read_files).with_layer(SESSION, &text.into())).session_layer(SESSION)
         }
     };
     builder.open(&path).map_err(|e| not_usd(file, &e.to_string()))

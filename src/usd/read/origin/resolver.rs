@@ -25,7 +25,7 @@ const ASSET: u8 = 12;
 const ARRAY: u8 = 0x80;
 
 /// Whether the bytes of a layer are text.
-pub fn is_text(bytes: &[u8]) -> bool {
+fn is_text(bytes: &[u8]) -> bool {
     bytes.starts_with(TEXT)
 }
 
@@ -33,7 +33,7 @@ pub fn is_text(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// A text of too many levels, with what OpenUSD refuses, or with letters beyond ASCII that cannot be parsed.
-pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     if !is_text(&bytes) {
         return Ok(with_empty_lists(bytes));
     }
@@ -77,12 +77,24 @@ pub struct Files {
     has_letters: RefCell<HashMap<String, bool>>,
     /// The last text that was read to find out, so that it is not read again to be opened.
     ahead: RefCell<Option<(PathBuf, Vec<u8>)>>,
+    /// The identifier of a layer in memory, and its content.
+    in_memory: Option<(&'static str, Arc<[u8]>)>,
 }
 
 impl Files {
     /// Reads the same content of each file as all others with this `read`.
     pub fn of(read: &Arc<ReadFiles>) -> Self {
         Self { read: Arc::clone(read), ..Self::default() }
+    }
+
+    /// Finds a layer in memory too.
+    pub fn with_layer(self, identifier: &'static str, content: &Arc<[u8]>) -> Self {
+        Self { in_memory: Some((identifier, Arc::clone(content))), ..self }
+    }
+
+    /// The content of a layer in memory.
+    fn layer(&self, identifier: &Path) -> Option<&Arc<[u8]>> {
+        self.in_memory.as_ref().filter(|(own, _)| Path::new(own) == identifier).map(|(_, content)| content)
     }
 
     /// The path of a file or of an entry of a package.
@@ -143,11 +155,17 @@ fn ends_with(path: &Path, extension: &str) -> bool {
 
 impl Resolver for Files {
     fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
+        if self.layer(Path::new(asset_path)).is_some() {
+            return asset_path.to_owned();
+        }
         let found = self.resolver.create_identifier(asset_path, anchor);
         as_written(asset_path, anchor).filter(|path| Path::new(path).exists()).unwrap_or(found)
     }
 
     fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
+        if self.layer(Path::new(asset_path)).is_some() {
+            return Some(ResolvedPath::new(asset_path));
+        }
         let found = self.find(asset_path)?;
         Some(self.by_content(&found).unwrap_or(found))
     }
@@ -157,6 +175,13 @@ impl Resolver for Files {
     }
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
+        if let Some(content) = self.layer(resolved_path) {
+            // The content of a crate is shared.
+            return Ok(shared(match is_text(content) {
+                true => ar::AssetBuffer::Owned(readable_layer(content.to_vec())?),
+                false => ar::AssetBuffer::from(Arc::clone(content)),
+            }));
+        }
         let resolved_path = &match resolved_path.to_str() {
             Some(path) if path.contains(BY_CONTENT) => ResolvedPath::new(file_path(path)),
             _ => resolved_path.clone(),
@@ -173,7 +198,7 @@ impl Resolver for Files {
         }
         let bytes =
             if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read_file(&package)? };
-        Ok(shared(readable_layer(bytes)?))
+        Ok(shared(ar::AssetBuffer::Owned(readable_layer(bytes)?)))
     }
 
     fn is_context_dependent_path(&self, asset_path: &str) -> bool {
@@ -193,8 +218,8 @@ impl Resolver for Files {
     }
 }
 
-fn shared(bytes: Vec<u8>) -> Box<dyn ar::Asset> {
-    Box::new(Cursor::new(ar::AssetBuffer::Shared(ar::AssetBuffer::Owned(bytes).into_shared())))
+fn shared(content: ar::AssetBuffer) -> Box<dyn ar::Asset> {
+    Box::new(Cursor::new(ar::AssetBuffer::Shared(content.into_shared())))
 }
 
 /// Refuses a text of too many levels of braces.

@@ -4,4 +4,4 @@ mod units;
 mod xform;
 
 pub use units::{space, units, uv_scales};
-pub use xform::{Transforms, transforms, world_of};
+pub use xform::{Transforms, is_moving, transforms, world_of};

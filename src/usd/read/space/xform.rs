@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::read::origin::StageOrigin;
-use crate::read::query::{OrUnreadable, prim_at, value};
+use crate::read::query::{OrUnreadable, prim_at, property_names, value, with_ancestors};
 use crate::{names, on_large_stack};
 use glam::{DMat4, DQuat, DVec3};
 use openusd::sdf::{Path, Value};
@@ -41,6 +41,22 @@ pub fn transforms(prim: &Prim, time: Option<TimeCode>) -> Result<Transforms, Err
     })
 }
 
+/// Whether transforms of `prim` or of those above it change over time.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn is_moving(prim: &Prim) -> Result<bool, Error> {
+    for path in with_ancestors(prim.path()) {
+        let prim = prim_at(prim.stage(), &path)?;
+        for name in property_names(&prim)?.iter().filter(|name| name.starts_with(names::XFORM_OP)) {
+            if prim.attribute(name.as_str()).num_time_samples().or_unreadable(&path)? > 0 {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
 /// The path of the prim at `target` in a stage, and its transform to the stage's space.
 ///
 /// # Errors
@@ -70,8 +86,7 @@ fn local(prim: &Prim, time: Option<TimeCode>) -> (DMat4, bool) {
     let Ok(Some(Value::TokenVec(order))) = value(prim, names::XFORM_OP_ORDER, time) else {
         return (DMat4::IDENTITY, false);
     };
-    let mut matrix = DMat4::IDENTITY;
-    let mut is_reset = false;
+    let (mut matrix, mut is_reset) = (DMat4::IDENTITY, false);
     for op in &order {
         if op.as_str() == RESET {
             (matrix, is_reset) = (DMat4::IDENTITY, true);
@@ -88,45 +103,31 @@ fn local(prim: &Prim, time: Option<TimeCode>) -> (DMat4, bool) {
 /// The matrix of an op such as `xformOp:rotateXYZ:pivot`; `None` for a type that its values cannot have.
 fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
     let kind = name.strip_prefix(names::XFORM_OP)?.split(':').next()?;
+    let (kind, axes) = kind.split_at(kind.find(['X', 'Y', 'Z']).unwrap_or(kind.len()));
     let number = || value.clone().cast::<f64>().ok();
     let vector = || value.clone().cast::<[f64; 3]>().ok().map(DVec3::from);
-    let axis = |angle: f64, axis: DVec3| DMat4::from_axis_angle(axis, angle.to_radians());
-    Some(match kind {
-        "translate" => DMat4::from_translation(vector()?),
-        "translateX" => DMat4::from_translation(number()? * DVec3::X),
-        "translateY" => DMat4::from_translation(number()? * DVec3::Y),
-        "translateZ" => DMat4::from_translation(number()? * DVec3::Z),
-        "scale" => DMat4::from_scale(vector()?),
-        "scaleX" => DMat4::from_scale(DVec3::new(number()?, 1.0, 1.0)),
-        "scaleY" => DMat4::from_scale(DVec3::new(1.0, number()?, 1.0)),
-        "scaleZ" => DMat4::from_scale(DVec3::new(1.0, 1.0, number()?)),
-        "rotateX" => axis(number()?, DVec3::X),
-        "rotateY" => axis(number()?, DVec3::Y),
-        "rotateZ" => axis(number()?, DVec3::Z),
-        "orient" => {
+    let axis = || DVec3::AXES.get("XYZ".find(axes)?).copied();
+    Some(match (kind, axes.len(), value) {
+        ("translate", 0, _) => DMat4::from_translation(vector()?),
+        ("translate", 1, _) => DMat4::from_translation(number()? * axis()?),
+        ("scale", 0, _) => DMat4::from_scale(vector()?),
+        ("scale", 1, _) => DMat4::from_scale(DVec3::ONE + (number()? - 1.0) * axis()?),
+        ("rotate", 1, _) => DMat4::from_axis_angle(axis()?, number()?.to_radians()),
+        ("rotate", 3, _) => {
+            let angles = vector()?;
+            // The first axis of the name is applied first.
+            axes.chars().try_fold(DMat4::IDENTITY, |matrix, letter| {
+                let k = "XYZ".find(letter)?;
+                Some(DMat4::from_axis_angle(DVec3::AXES[k], angles[k].to_radians()) * matrix)
+            })?
+        }
+        ("orient", 0, _) => {
             let [w, x, y, z] = value.clone().cast::<[f64; 4]>().ok()?;
             DMat4::from_quat(DQuat::from_xyzw(x, y, z, w).normalize())
         }
-        "transform" => match value {
-            // USD multiplies rows, so that its rows are columns here.
-            Value::Matrix4d(m) => DMat4::from_cols_array(&m.0),
-            _ => return None,
-        },
-        _ => {
-            let order = kind.strip_prefix("rotate").filter(|order| order.len() == 3)?;
-            let angles = vector()?;
-            // The first axis of the name is applied first.
-            order.chars().try_fold(DMat4::IDENTITY, |matrix, letter| {
-                Some(
-                    match letter {
-                        'X' => axis(angles.x, DVec3::X),
-                        'Y' => axis(angles.y, DVec3::Y),
-                        'Z' => axis(angles.z, DVec3::Z),
-                        _ => return None,
-                    } * matrix,
-                )
-            })?
-        }
+        // USD multiplies rows, so that its rows are columns here.
+        ("transform", 0, Value::Matrix4d(m)) => DMat4::from_cols_array(&m.0),
+        _ => return None,
     })
 }
 

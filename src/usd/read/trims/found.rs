@@ -62,10 +62,6 @@ impl Candidate {
         let none = Self { shape: TrimShape::default(), triangles: Vec::new(), size: 0.0, is_garment };
         let Ok(garment) = &source.garment else { return Ok(none) };
         let placed = PlacedMesh::new(garment, source.model.transforms.to_world);
-        let is_whole = |n: &i32| usize::try_from(*n).is_ok_and(|n| n < placed.points.len());
-        if !placed.points.iter().all(|p| p.is_finite()) || !garment.face_vertex_indices.iter().all(is_whole) {
-            return Ok(none);
-        }
         let triangles = placed.triangles();
         let shape = TrimShape::of_mesh(placed.points, &placed.counts, &placed.corners);
         let size = shape.size();

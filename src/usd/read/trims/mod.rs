@@ -7,7 +7,7 @@ pub use found::{PlacedMesh, take};
 use crate::codes;
 use crate::read::choose::{check_instance, prims_below};
 use crate::read::model::Model;
-use crate::read::query::{OrUnreadable, is_below_product, prim_at, value};
+use crate::read::query::{OrUnreadable, is_below_product, prim_at, value, vectors};
 use crate::read::source::Source;
 use crate::read::space::transforms;
 use crate::{names, on_large_stack};
@@ -25,6 +25,19 @@ const CURVES: [&str; 3] = ["BasisCurves", "NurbsCurves", "HermiteCurves"];
 const WITH_POINTS: [&str; 5] = [names::MESH, names::POINT_INSTANCER, "Points", "NurbsPatch", "TetMesh"];
 /// Types of shapes that have no points.
 const WITHOUT_POINTS: [&str; 8] = ["Sphere", "Cube", "Cylinder", "Capsule", "Cone", "Plane", "Cylinder_1", "Capsule_1"];
+
+/// Attributes of the types of UsdGeom that follow from points, beside the extent and what instances have anew.
+const DEPENDENT: [&str; 9] = [
+    names::NORMALS,
+    "primvars:normals",
+    "primvars:normals:indices",
+    names::TANGENTS,
+    names::VELOCITIES,
+    names::ACCELERATIONS,
+    "angularVelocities",
+    names::ORIENTATIONS_F,
+    "extentsHint",
+];
 
 /// A prim that rides on cloth.
 #[derive(Clone, Debug)]
@@ -61,6 +74,22 @@ pub struct FittedTrim {
 /// The name of the attribute with the points that cloth moves.
 pub fn points_name(prim: &Prim) -> Result<&'static str, Error> {
     Ok(if type_of(prim)? == names::POINT_INSTANCER { names::POSITIONS } else { names::POINTS })
+}
+
+/// The authored attributes of a prim that are of its points at one time, besides its extent, with their types.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn dependent_attributes(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
+    let mut found = Vec::new();
+    for name in DEPENDENT {
+        let attribute = prim.attribute(name);
+        if attribute.has_authored_value().or_unreadable(prim.path())? {
+            let kind = attribute.type_name().or_unreadable(prim.path())?;
+            found.extend(kind.map(|kind| (name.to_owned(), kind)));
+        }
+    }
+    Ok(found)
 }
 
 /// Whether a prim has points that cloth can move.
@@ -203,10 +232,7 @@ impl TrimPrim {
             return Err(Error::usd(format!("{} has a transform that flattens it", prim.path()))
                 .remedy("give it scales that are not 0"));
         }
-        let points = match value(prim, points_name(prim)?, time).map_err(|e| without_time(&e))? {
-            Some(Value::Vec3fVec(points)) => bytemuck::cast_slice::<_, Vec3>(&points).to_vec(),
-            _ => Vec::new(),
-        };
+        let points = vectors(prim, points_name(prim)?, time).map_err(|e| without_time(&e))?.unwrap_or_default();
         if let Some(at) = points.iter().position(|point| !point.is_finite()) {
             return Err(
                 Error::usd(format!("{}: point {at} is not finite", prim.path())).code(tailor_mesh::codes::NOT_FINITE)

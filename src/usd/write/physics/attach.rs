@@ -5,7 +5,6 @@ use super::dialect::Dialect;
 use crate::names;
 use crate::write::product::Author;
 use glam::{DMat4, Vec3};
-use openusd::gf::Vec3f;
 use openusd::sdf::{AbstractData, Path, Value, ValueTypeName, Variability};
 use tailor_mesh::connectivity::VertexId;
 
@@ -30,9 +29,8 @@ impl Author<'_> {
         let positions: Vec<Vec3> = pins.iter().map(at).collect();
         let path = self.attachment(physics, dialect, "pins", 0, pins)?;
         self.target(&path, &format!("{}src1", dialect.space), &target)?;
-        let positions: &[Vec3f] = bytemuck::cast_slice(&positions);
-        let ((name, kind), value) = (dialect.attachment.positions.clone(), Value::Vec3fVec(positions.to_vec()));
-        self.attribute(&path, &format!("{}{name}", dialect.space), kind, Variability::Varying, value)
+        let (name, kind) = dialect.attachment.positions.clone();
+        self.vectors(&path, &format!("{}{name}", dialect.space), kind, &positions)
     }
 
     /// A kinematic body with a joint to the world: solvers attach particles to bodies alone.
@@ -93,10 +91,9 @@ impl Author<'_> {
             self.ints(&path, &format!("{}{}", dialect.space, names.triangles), faces)?;
             // Heights are in units of the stage.
             let height = physics.sim.units.scale as f32;
-            let coords = piece.coords.iter().map(|c| Vec3f::from([c.x, c.y, c.z * height])).collect();
+            let coords: Vec<Vec3> = piece.coords.iter().map(|c| Vec3::new(c.x, c.y, c.z * height)).collect();
             let name = format!("{}{}", dialect.space, names.coords);
-            let kind = ValueTypeName::VECTOR3F_ARRAY;
-            self.attribute(&path, &name, kind, Variability::Varying, Value::Vec3fVec(coords))?;
+            self.vectors(&path, &name, ValueTypeName::VECTOR3F_ARRAY, &coords)?;
         }
         Ok(())
     }
@@ -111,9 +108,8 @@ impl Author<'_> {
         let points = all().flat_map(|a| &a.points).map(|v| v.index() as i32).collect();
         self.ints(path, names::ATTACH_POINTS, points)?;
         self.ints(path, names::ATTACH_FACES, all().flat_map(|a| &a.faces).map(|f| f.index() as i32).collect())?;
-        let coords = all().flat_map(|a| &a.coords).map(|c| Vec3f::from(c.to_array())).collect();
-        let kind = ValueTypeName::VECTOR3F_ARRAY;
-        self.attribute(path, names::ATTACH_COORDS, kind, Variability::Varying, Value::Vec3fVec(coords))
+        let coords: Vec<Vec3> = all().flat_map(|a| &a.coords).copied().collect();
+        self.vectors(path, names::ATTACH_COORDS, ValueTypeName::VECTOR3F_ARRAY, &coords)
     }
 
     /// A filter of collisions between triangles that are nearer than the thickness.

@@ -26,7 +26,7 @@ use crate::names;
 use crate::read::world_of;
 use dialect::{DIALECTS, Dialect};
 use glam::{DMat4, Vec3};
-use openusd::gf::{Vec2i, Vec3f, Vec3i};
+use openusd::gf::{Vec2i, Vec3i};
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use tailor_costume::binding::Binding;
@@ -284,9 +284,7 @@ impl Author<'_> {
     }
 
     fn points(&mut self, prim: &Path, name: &str, points: &[Vec3]) -> openusd::Result<()> {
-        let points: &[Vec3f] = bytemuck::cast_slice(points);
-        let value = Value::Vec3fVec(points.to_vec());
-        self.attribute(prim, name, ValueTypeName::POINT3F_ARRAY, Variability::Varying, value)
+        self.vectors(prim, name, ValueTypeName::POINT3F_ARRAY, points)
     }
 
     fn float(&mut self, prim: &Path, name: &str, value: f64) -> openusd::Result<()> {

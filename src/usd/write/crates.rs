@@ -1,9 +1,5 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
-mod long_arrays;
-
-pub use long_arrays::encode_plainly;
-
 use crate::codes;
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
