@@ -16,7 +16,7 @@ mod products;
 mod progress;
 mod sim;
 
-pub use check::mean_edge_length;
+pub use check::{check_extent, mean_edge_length};
 pub use frame::{LocalFrame, back};
 pub use memory::MemoryEstimate;
 pub use plan::MeshPlan;
@@ -105,8 +105,8 @@ impl MeshBuilder {
         let face_numbers = std::mem::take(&mut mesh.face_numbers);
         let (garment, of_check) = check_garment(mesh)?;
         warnings.extend(face_numbers.warnings_in_file(of_check));
-        let mean_edge = check::mean_edge_length(&garment);
-        check::extent(&garment, mean_edge)?;
+        let mean_edge = check_extent(&garment)?;
+        check::drawn(&garment)?;
         if garment.prim.rfind('/') == Some(0) {
             let problem = "the model is a root prim, and so are the products: a reference to the file's default prim \
                            leaves them out";
