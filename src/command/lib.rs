@@ -272,22 +272,23 @@ struct Output {
 /// Faults of the input, the recipe or the output.
 fn run(cli: &Cli) -> Result<Output, Error> {
     text::set_colors(cli.color);
-    let (threads, quiet, serves) = match &cli.command {
-        Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
-        Command::Drive(drive) => (drive.threads, drive.quiet, false),
-        Command::Fit(fit) => fit.run_options(),
-        Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
-        Command::Sets(sets) => (sets.threads(), false, false),
+    // Whether a subcommand works on meshes here, so that the threads have to start; and whether it serves.
+    let (threads, quiet, works, serves) = match &cli.command {
+        Command::Build(build) => (build.inputs.threads, build.inputs.quiet, true, false),
+        Command::Drive(drive) => (drive.threads, drive.quiet, true, false),
+        Command::Fit(fit) => (fit.inputs().threads, fit.inputs().quiet, true, false),
+        Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, true, false),
+        Command::Sets(sets) => (sets.threads(), false, true, false),
         Command::Example(_)
         | Command::Explain(_)
         | Command::Options
         | Command::Completions { .. }
-        | Command::Man { .. } => (None, false, false),
-        Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
+        | Command::Man { .. } => (None, false, false, false),
+        Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, false, true),
     };
     interrupt::tidy_up(serves).map_err(Error::no_thread)?;
     let threads = threads::capped(threads, quiet)?;
-    if threads.is_some() || uses_threads(&cli.command) {
+    if threads.is_some() || works {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build_global();
         pool.map_err(Error::no_thread)?;
     }
@@ -305,19 +306,6 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Man { folder } => man(folder),
         Command::Preview(preview) => preview::run(preview, threads),
     }
-}
-
-/// Whether a subcommand works on meshes, so that the threads have to start.
-fn uses_threads(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::Build(_)
-            | Command::Drive(_)
-            | Command::Fit(_)
-            | Command::Info(_)
-            | Command::Check(_)
-            | Command::Sets(_)
-    )
 }
 
 fn options() -> Output {

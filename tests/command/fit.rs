@@ -92,3 +92,15 @@ fn a_body_is_checked_as_a_garment_is() {
         assert!(folder.written().is_empty());
     }
 }
+
+#[test]
+fn a_fit_keeps_its_limit_of_memory() {
+    let folder = with_sleeve();
+    let run = bad(&folder, "fit in.usda --from a.usda --to b.usda -o out/fitted.usda --max-memory 100k");
+    assert!(run.stderr.contains("too-large") && run.stderr.contains("--max-memory"), "{}", run.stderr);
+    // Each of several is refused by itself.
+    let run = bad(&folder, "fit in.usda --from a.usda --to a.usda b.usda -o out --max-memory 100k");
+    assert_eq!(run.stderr.matches("too-large").count(), 2, "{}", run.stderr);
+    assert!(folder.written().is_empty());
+    folder.good("fit in.usda --from a.usda --to b.usda -o out/fitted.usda --max-memory 1G");
+}

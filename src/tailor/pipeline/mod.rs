@@ -31,7 +31,6 @@ use crate::render::operator::Operator;
 use crate::sets::{DerivedSet, ListedSet, SetEvaluator};
 use sim::SimSteps;
 use std::sync::Arc;
-use tailor_mesh::connectivity::Elements;
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{FaceNumbers, Garment, Mesh, Scheme, check_garment, split_repeats};
 
@@ -161,7 +160,7 @@ impl MeshBuilder {
     /// # Errors
     /// As [`MeshBuilder::update_render`].
     pub fn marked(&self, recipe: &MeshRecipe, warnings: &Warnings) -> Result<Option<Arc<Mesh>>, Error> {
-        let warnings = self.warnings_in_mesh(warnings);
+        let warnings = self.face_numbers.warnings_in_mesh(warnings.clone());
         let Some(garment) = marks::marked(&self.garment, &warnings) else { return Ok(None) };
         let garment = (Arc::new(garment), FaceNumbers::default());
         let mut marked = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, Warnings::default());
@@ -229,19 +228,9 @@ impl MeshBuilder {
         &self.warnings
     }
 
-    /// Warnings of its own, or of its products, with the elements of the checked mesh: they have those of the file.
-    pub fn warnings_in_mesh(&self, warnings: &Warnings) -> Warnings {
-        self.face_numbers.warnings_in_mesh(warnings.clone())
-    }
-
-    /// Warnings of the checked mesh with the elements of the file, from which faces may be left out.
-    pub fn warnings_in_file(&self, warnings: Warnings) -> Warnings {
-        self.face_numbers.warnings_in_file(warnings)
-    }
-
-    /// Elements of the checked mesh as those of the file, from which faces may be left out.
-    pub fn in_file(&self, elements: Elements) -> Elements {
-        self.face_numbers.in_file(elements)
+    /// The faces of the file, which its own warnings and those of its products name, and of the checked mesh.
+    pub fn face_numbers(&self) -> &FaceNumbers {
+        &self.face_numbers
     }
 
     /// The handle that hears of progress.
