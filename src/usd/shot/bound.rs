@@ -201,9 +201,7 @@ fn read_places(holder: &Prim, [faces, coords]: [&str; 2]) -> Result<Binding, Err
     let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
     match value(holder, coords, None)? {
         Some(Value::Vec3fVec(coords)) => Ok(Binding { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
-        _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
+        _ => Err(rebuilt(format!("{}.{coords} is missing", holder.path()))),
     }
 }
 
@@ -214,20 +212,25 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
         Some(pose) => Some(pose),
         None => value(prim, points_name(prim)?, None)?,
     };
-    match points {
-        Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
-        _ => Err(Error::usd(format!("{} has no points without a time", prim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
+    let Some(Value::Vec3fVec(points)) = points else {
+        return Err(rebuilt(format!("{} has no points without a time", prim.path())));
+    };
+    let points: Vec<Vec3> = bytemuck::cast_slice(&points).to_vec();
+    match points.iter().position(|point| !point.is_finite()) {
+        Some(at) => Err(rebuilt(format!("point {at} of {} is not finite", prim.path()))),
+        None => Ok(points),
     }
+}
+
+/// The fault of a garment that has to be built again.
+fn rebuilt(text: String) -> Error {
+    Error::usd(text).code(tailor_costume::codes::STALE_BINDING).remedy("build the garment again")
 }
 
 fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {
     match value(prim, name, None)? {
         Some(Value::IntVec(values)) => Ok(values),
-        _ => Err(Error::usd(format!("{}.{name} is missing", prim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again")),
+        _ => Err(rebuilt(format!("{}.{name} is missing", prim.path()))),
     }
 }
 
@@ -235,9 +238,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let counts = ints(sim, names::FACE_VERTEX_COUNTS)?;
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
-        return Err(Error::usd(format!("{} is not a triangle mesh", sim.path()))
-            .code(tailor_costume::codes::STALE_BINDING)
-            .remedy("build the garment again"));
+        return Err(rebuilt(format!("{} is not a triangle mesh", sim.path())));
     }
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
 }
