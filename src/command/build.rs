@@ -8,7 +8,7 @@ mod request;
 pub use levels::{lines as level_lines, report as level_report, warnings as all_warnings};
 pub use request::Request;
 
-use super::process::folders::MadeFolders;
+use super::process::folders::{MadeFolders, is_folder};
 use super::process::memory::{self, RunningStep};
 use super::variants::{self, Opening};
 use super::{Build, Output, report, text, usage};
@@ -93,7 +93,7 @@ pub struct Built {
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
     // Kept to the end, when it goes again if nothing is in it.
-    let _made = if is_folder(build, tasks.len()) { Some(MadeFolders::new(&build.output)?) } else { None };
+    let _made = if is_folder(&build.output, tasks.len()) { Some(MadeFolders::new(&build.output)?) } else { None };
     let report_file = build.report.as_deref().filter(|file| *file != Path::new(STDOUT));
     let prints_report = build.report.is_some() && report_file.is_none();
     // The caller prints the error of a lone input, unless there is a report to print as well.
@@ -143,7 +143,7 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     check_name("--render-name", &build.render_name)?;
     let files = build.inputs.files()?;
     let out = &build.output;
-    if !is_folder(build, files.len()) {
+    if !is_folder(&build.output, files.len()) {
         return Ok(files.into_iter().map(|input| Task { input, output: out.clone() }).collect());
     }
     if !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
@@ -160,12 +160,6 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
         Err(usage("", format!("two inputs are named {stem}")).remedy("build them into separate folders"))
     };
     files.into_iter().map(task).collect()
-}
-
-/// Whether the output is a folder for the outputs of so many inputs.
-fn is_folder(build: &Build, inputs: usize) -> bool {
-    let out = &build.output;
-    inputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
 }
 
 /// Prints the warnings and the error of an input, which `label` names where it is one of several.

@@ -3,9 +3,10 @@
 mod pairs;
 mod shown;
 
-use super::process::folders::MadeFolders;
+use super::process::folders::{MadeFolders, is_folder};
+use super::process::memory;
 use super::text::{print_error, print_warnings};
-use super::{Inputs, Output, report, usage};
+use super::{Inputs, Limits, Output, report, usage};
 use clap::Args;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -15,6 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 use tailor_costume::fit::{Bodies, FitFigures, Fitted, fit};
 use tailor_mesh::error::{Error, Warning, Warnings};
+use tailor_mesh::meter::{PassedLimit, within_limit};
 use tailor_usd::session::{OpenGarment, fit_options};
 use tailor_usd::{
     BodyChoice, BoundTrim, BuildRecord, Format, ReadOptions, Source, WriteOptions, body_of, check_target,
@@ -28,6 +30,8 @@ const STDOUT: &str = "-";
 pub struct Fit {
     #[command(flatten)]
     inputs: Inputs,
+    #[command(flatten)]
+    limits: Limits,
     /// The body that the garment was made for
     #[arg(long, value_name = "BODY", help_heading = "Bodies")]
     from: PathBuf,
@@ -68,9 +72,9 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// The number of threads, whether only errors are printed, and that it works on meshes.
-    pub fn run_options(&self) -> (Option<usize>, bool, bool) {
-        (self.inputs.threads, self.inputs.quiet, true)
+    /// The options of reading.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
     }
 }
 
@@ -120,9 +124,10 @@ pub fn run(command: &Fit) -> Result<Output, Error> {
     if let Some(file) = report_file {
         report::check_target(file, command.force)?;
     }
+    memory::hold(command.limits.max_memory);
     let tasks = tasks(command)?;
     // Kept to the end, when it goes again if nothing is in it.
-    let _made = if is_folder(command, tasks.len()) { Some(MadeFolders::new(&command.output)?) } else { None };
+    let _made = if has_folder(command, tasks.len()) { Some(MadeFolders::new(&command.output)?) } else { None };
     let Results { text, mut reports, code } = match &command.variant_set {
         Some(set) => as_variants(command, &tasks, set)?,
         None => apart(command, &tasks)?,
@@ -149,7 +154,8 @@ fn apart(command: &Fit, tasks: &[Task]) -> Result<Results, Error> {
             results.add_fresh(command, task);
             continue;
         }
-        match fit_one(command, task) {
+        let fitted = within_limit(|| fit_one(command, task));
+        match fitted.unwrap_or_else(|PassedLimit| Err(super::program::too_much_memory())) {
             Ok(garments) => results.add(command, task, &garments, label),
             Err(error) => {
                 let Some(label) = label else { return Err(error) };
@@ -176,10 +182,9 @@ fn as_variants(command: &Fit, tasks: &[Task], set: &str) -> Result<Results, Erro
     Ok(results)
 }
 
-/// Whether the output is a folder for so many outputs.
-fn is_folder(command: &Fit, outputs: usize) -> bool {
-    let (out, outputs) = (&command.output, if command.variant_set.is_some() { 1 } else { outputs });
-    outputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
+/// Whether the output is a folder for the outputs of so many tasks.
+fn has_folder(command: &Fit, tasks: usize) -> bool {
+    is_folder(&command.output, if command.variant_set.is_some() { 1 } else { tasks })
 }
 
 /// Each garment and body with its output: `-o` itself, or a file in it if it is a folder.
@@ -194,7 +199,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
             .code(tailor_usd::codes::OUTPUT_PATH)
             .remedy("write .usd, .usda or .usdc, and build a package of it"));
     }
-    let is_folder = is_folder(command, all.len());
+    let is_folder = has_folder(command, all.len());
     if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
         let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", all.len()));
         return Err(fault.remedy("name a folder, which is made where it is missing, or fit to one body at a time"));
@@ -379,7 +384,7 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
     let Fitted { points, figures, warnings: of_fit, .. } = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
     warnings.extend(source.set_fitted(builder.garment(), points, command.inputs.time, &recipe.trim)?);
-    warnings.extend(builder.warnings_in_file(of_fit));
+    warnings.extend(builder.face_numbers().warnings_in_file(of_fit));
     Ok(Done { source, figures, trims: Vec::new(), warnings })
 }
 

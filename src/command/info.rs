@@ -9,7 +9,7 @@ use super::build::all_warnings;
 use super::process::memory;
 use super::text::Wording;
 use super::variants::Opening;
-use super::{ExamineArgs, Output, report, text, variants};
+use super::{DEFAULT_MAX_FACES, ExamineArgs, Output, report, text, variants};
 use crate::codes;
 use recorded::RecordedBuild;
 use serde_json::{Value, json};
@@ -133,11 +133,7 @@ fn open(args: &ExamineArgs, file: &Path, made: Option<&RecordedBuild>) -> Result
 
 /// A builder with the limits of the command and of the build that made the file.
 fn limited(builder: Builder, made: Option<&RecordedBuild>, memory: usize) -> Builder {
-    let builder = builder.with_max_memory(memory);
-    match made {
-        Some(made) => builder.with_max_faces(made.max_faces()),
-        None => builder,
-    }
+    builder.with_max_memory(memory).with_max_faces(made.map_or(DEFAULT_MAX_FACES, RecordedBuild::max_faces))
 }
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.

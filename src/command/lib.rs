@@ -246,7 +246,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
     let (threads, quiet, works) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, true),
         Command::Drive(drive) => (drive.threads, drive.quiet, true),
-        Command::Fit(fit) => fit.run_options(),
+        Command::Fit(fit) => (fit.inputs().threads, fit.inputs().quiet, true),
         Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, true),
         Command::Sets(sets) => (sets.threads(), false, true),
         Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, false),

@@ -49,7 +49,8 @@ pub fn main() -> u8 {
     }
 }
 
-fn too_much_memory() -> Error {
+/// The error of a run that has passed its limit of memory.
+pub fn too_much_memory() -> Error {
     let fault =
         Error::recipe("", "the run has taken all of the memory that it may take").code(tailor::codes::TOO_LARGE);
     fault.remedy("give fewer or smaller meshes at once, or allow more memory (--max-memory)")

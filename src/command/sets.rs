@@ -52,7 +52,7 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
         let mut all = Vec::with_capacity(sets.len());
         for set in sets {
             let mut entry = json!(set);
-            entry["indices"] = json!(builder.in_file(set.elements).indices());
+            entry["indices"] = json!(builder.face_numbers().in_file(set.elements).indices());
             all.push(entry);
         }
         return Ok(Output { text: report::pretty(&json!({ "prim": source.prim(), "sets": all }))?, code: 0 });
@@ -81,7 +81,7 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
             return Err(fault.remedy(format!("change the expression: {remedy}")));
         }
         text += &format!("{name}: {} {}s\n", elements.len(), elements.kind());
-        entries.push(json!({ "name": name, "expression": expression, "elementType": elements.kind(), "indices": builder.in_file(elements.clone()).indices() }));
+        entries.push(json!({ "name": name, "expression": expression, "elementType": elements.kind(), "indices": builder.face_numbers().in_file(elements.clone()).indices() }));
         sets.push(Subset { name: name.to_owned(), family: String::new(), elements, sharpness: None });
     }
     if let Some(output) = &command.output {

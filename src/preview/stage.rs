@@ -165,7 +165,7 @@ fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error>
     }
     let count = counted(faces.len(), "face crosses the body", "faces cross the body");
     let warning = Warning::new(tailor_costume::codes::FIT_CROSSES, &checks.garment().prim, count);
-    let faces = checks.in_file(Elements::Faces(faces));
+    let faces = checks.face_numbers().in_file(Elements::Faces(faces));
     Ok(Some(warning.at(faces).remedy("Move them out of it, or hide the skin below them")))
 }
 
@@ -209,7 +209,7 @@ fn message(
     body: Option<&Body>,
 ) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
-    let warnings = checks.warnings_in_mesh(checks.warnings());
+    let warnings = checks.face_numbers().warnings_in_mesh(checks.warnings().clone());
     let looks = looks.iter();
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {

@@ -3,6 +3,7 @@
 use super::read::Source;
 use super::shot::StageMetrics;
 use glam::DMat4;
+use tailor::pipeline::check_extent;
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::garment::{Mesh, Orientation, check_garment};
 
@@ -22,15 +23,12 @@ pub fn body_of(garment: &Source, body: &Source) -> Result<Mesh, Error> {
     }
     // Two bodies often have one path.
     mesh.prim = format!("{} {}", body.file().display(), body.prim());
-    if turns < 0.0 {
-        mesh.orientation = match mesh.orientation {
-            Orientation::LeftHanded => Orientation::RightHanded,
-            Orientation::RightHanded => Orientation::LeftHanded,
-        };
-    }
+    let is_left_handed = (mesh.orientation == Orientation::LeftHanded) != (turns < 0.0);
+    mesh.orientation = if is_left_handed { Orientation::LeftHanded } else { Orientation::RightHanded };
     for point in mesh.points.iter_mut() {
         *point = to_garment.transform_point3(point.as_dvec3()).as_vec3();
     }
+    check_extent(&mesh)?;
     Ok(mesh)
 }
 

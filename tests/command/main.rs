@@ -4,6 +4,7 @@ mod bytes;
 mod cloth;
 mod examples;
 mod faults;
+mod fit;
 mod folder;
 mod outputs;
 mod payloads;

@@ -210,3 +210,13 @@ fn a_closed_pipe_is_no_error() {
     }
     assert_eq!(folder.written(), ["coat.usda"]);
 }
+
+#[test]
+fn threads_of_the_environment_are_capped_too() {
+    let folder = with_cloth();
+    for command in ["info in.usda", "build in.usda -o out/coat.usda", "check in.usda"] {
+        let run = folder.command(command).env("RAYON_NUM_THREADS", "1000000000").output().expect("the command starts");
+        let told = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.success() && told.contains("RAYON_NUM_THREADS 1000000000"), "{command}: {told}");
+    }
+}

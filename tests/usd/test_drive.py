@@ -429,3 +429,21 @@ def test_a_garment_is_built_again_over_its_output(build, coat):
     sim, render = (again.stage.GetPrimAtPath(f"/Coat/{name}") for name in ("sim", "render"))
     assert not sim.GetAttribute("primvars:tailor:bindFace")
     assert len(render.GetAttribute("primvars:tailor:bindFace").Get()) == len(points(render))
+
+
+@pytest.mark.parametrize("name", ["sim", "render"])
+def test_a_bind_pose_that_is_not_finite_is_refused(usdtailor, coat, cache, tmp_path, name):
+    layer, out = tmp_path / "layer.usda", tmp_path / "shot.usdc"
+    stage = Usd.Stage.CreateNew(str(layer))
+    stage.GetRootLayer().subLayerPaths = [str(coat.path)]
+    values = points(coat.prim(name))
+    values[7, 1] = np.nan
+    prim = stage.OverridePrim(coat.prim(name).GetPath())
+    for attribute in prim.GetAttributes():
+        # Those of the bind pose too.
+        if attribute.GetName() in ("points", "physics:deformablePose:default:points"):
+            attribute.Set(Vt.Vec3fArray.FromNumpy(values.astype(np.float32)))
+    stage.Save()
+    done = run(usdtailor, "drive", layer, "--cache", cache, "-o", out)
+    assert done.returncode == 1 and "point 7 of" in done.stderr and "not finite" in done.stderr, done.stderr
+    assert not out.exists()

@@ -13,6 +13,7 @@ FORMS = [
     pytest.param(("--flatten",), ".usda", id="flat-usda"),
     pytest.param(("--flatten",), ".usdc", id="flat-usdc"),
     pytest.param(("--flatten",), ".usdz", id="flat-usdz"),
+    pytest.param(("--sets", "all", "--mark", "--provenance", "--physics", "aousd,omni,chaos", "--set", "cloth.panels=true"), ".usda", id="all-prims"),
 ]
 STAGE_METADATA = ["defaultPrim", "upAxis", "metersPerUnit", "kilogramsPerUnit", "timeCodesPerSecond", "framesPerSecond", "startTimeCode", "endTimeCode"]
 

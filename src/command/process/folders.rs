@@ -4,6 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tailor_mesh::error::{Error, plain};
 
+/// Whether `-o` is a folder for so many outputs.
+pub fn is_folder(out: &Path, outputs: usize) -> bool {
+    outputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
+}
+
 /// Folders that a run has made. Those in which nothing is go again with it.
 pub struct MadeFolders(Vec<PathBuf>);
 

@@ -15,7 +15,8 @@ pub fn tidy_up(serves: bool) -> std::io::Result<()> {
     let is_left = |signal: i32| serves && [SIGINT, SIGTERM].contains(&signal);
     let mut signals = Signals::new(all.into_iter().filter(|signal| !is_left(*signal) && !is_ignored(*signal)))?;
     let wait = move || {
-        if let Some(signal) = signals.forever().next() {
+        // A file that may not grow is reported where it is written.
+        if let Some(signal) = signals.forever().find(|signal| *signal != SIGXFSZ) {
             tailor_usd::remove_unfinished();
             std::process::exit(128 + signal);
         }

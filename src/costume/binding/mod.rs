@@ -4,7 +4,7 @@
 //! place of the surface that they were made from, so that they move together. The nearest triangle would be that of a wrong layer
 //! wherever cloth lies on cloth.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 use rayon::prelude::*;
 use std::sync::LazyLock;
 use tailor::contact::{Aabb, NearestSearch, twice_area};
@@ -115,11 +115,8 @@ pub struct Triangles {
 impl Triangles {
     /// Of some corners.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
-        let aabb = |triangle: &[Vec3; 3]| {
-            let points = triangle.iter().map(|&p| Aabb { low: p.into(), high: p.into() });
-            points.fold(Aabb::EMPTY, |all, point| all.merged(&point))
-        };
-        let search = NearestSearch::new(&corners.iter().map(aabb).collect::<Vec<_>>());
+        let boxes = corners.iter().map(|triangle| Aabb::of(triangle.map(Vec3A::from)));
+        let search = NearestSearch::new(&boxes.collect::<Vec<_>>());
         Self { corners, search }
     }
 

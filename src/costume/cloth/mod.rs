@@ -169,7 +169,9 @@ impl Cloth {
         };
         for (face, &fabric) in mesh.faces.ids().zip(&self.fabric_of) {
             let [a, b, c] = [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(face)[k]].as_dvec3() * meters);
-            let [shortest, _, longest] = sorted([a.distance(b), b.distance(c), c.distance(a)]);
+            let mut lengths = [a.distance(b), b.distance(c), c.distance(a)];
+            lengths.sort_by(f64::total_cmp);
+            let [shortest, _, longest] = lengths;
             let area = 0.5 * (b - a).cross(c - a).length();
             let fabric = self.fabrics[fabric as usize].fabric;
             let speed = f64::from(fabric.stretch_warp.max(fabric.stretch_weft) / fabric.density).sqrt();
@@ -205,11 +207,6 @@ impl Cloth {
             Warning::new(codes::NOTHING_PINNED, "cloth.pins", problem).remedy("Name sets with edges or points of cloth")
         })
     }
-}
-
-fn sorted(mut lengths: [f64; 3]) -> [f64; 3] {
-    lengths.sort_by(f64::total_cmp);
-    lengths
 }
 
 /// The fabrics of a recipe, that of the garment first, and the index of each triangle's.

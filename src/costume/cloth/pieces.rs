@@ -1,9 +1,9 @@
 //! Loose pieces, such as pockets, flaps and buttons, and where they are attached to the cloth that they lie on.
 
-use super::surface::{Surface, area};
-use glam::{Vec3, Vec3A};
+use super::surface::{Surface, area, boxes};
+use glam::Vec3;
 use std::cell::Cell;
-use tailor::contact::{Aabb, NearestSearch, Range};
+use tailor::contact::{NearestSearch, Range};
 use tailor::sim::closest_weights;
 use tailor_mesh::connectivity::{FaceId, VertexId};
 
@@ -97,11 +97,10 @@ struct Below {
 
 impl<'a> Cloth<'a> {
     fn new(surface: &'a Surface<'a>, areas: &'a [f64], reach: f32) -> Self {
-        let boxes: Vec<Aabb> = surface.triangles().map(bounds).collect();
         let area = |face: usize| areas[surface.pieces[face] as usize];
         // Pieces that cannot lie on each other, as a piece on itself, are in one group, and are passed over together.
         let group = |face: usize| area(face).to_bits() >> (f64::MANTISSA_DIGITS - 1) >> 1;
-        let search = NearestSearch::grouped(&boxes, group);
+        let search = NearestSearch::grouped(&boxes(surface.mesh), group);
         let largest = search.largest(area);
         let farthest = surface.mesh.points.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
         let error = 64.0 * f64::from(f32::EPSILON) * f64::from(farthest + reach);
@@ -127,11 +126,6 @@ impl<'a> Cloth<'a> {
         let nearest = self.search.nearest_within(point, range, admits, cost);
         (nearest.and_then(at), looked_at.get())
     }
-}
-
-fn bounds([a, b, c]: [Vec3; 3]) -> Aabb {
-    let [a, b, c] = [a, b, c].map(Vec3A::from);
-    Aabb { low: a.min(b).min(c), high: a.max(b).max(c) }
 }
 
 fn attachment(cloth: &Cloth<'_>, piece: usize, points: &[VertexId]) -> Option<Attachment> {

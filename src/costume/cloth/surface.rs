@@ -1,7 +1,7 @@
 //! The triangles of the simulation mesh with their pieces and UV shells, and queries of distance.
 
 use glam::{Vec3, Vec3A};
-use tailor::contact::{Aabb, Bvh, morton_order};
+use tailor::contact::{Aabb, NearestSearch, TEST, WorkLimit, twice_area};
 use tailor::sim::{SimProduct, closest_weights};
 use tailor_mesh::connectivity::{CornerId, FaceId, Faces, Groups, Topology, VertexId};
 use tailor_mesh::garment::Mesh;
@@ -17,9 +17,13 @@ pub struct Surface<'a> {
     pub pieces: Vec<u32>,
     /// The UV shell of each triangle, numbered by its first triangle.
     pub shells: Vec<u32>,
-    /// The triangles in the order of the tree, whose neighbours are near each other in space.
-    order: Vec<FaceId>,
-    tree: Bvh,
+    search: NearestSearch,
+}
+
+/// The box of each face.
+pub fn boxes(mesh: &Mesh) -> Vec<Aabb> {
+    let corners = |face| mesh.faces.vertices_of(face).iter().map(|&v| Vec3A::from(mesh.points[v]));
+    mesh.faces.ids().map(|face| Aabb::of(corners(face))).collect()
 }
 
 /// The area of a triangle.
@@ -30,15 +34,9 @@ pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
 impl<'a> Surface<'a> {
     pub fn new(product: &SimProduct, mesh: &'a Mesh) -> Self {
         let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
-        let order = morton_order(&mesh.faces, &mesh.points);
-        let tree = Bvh::new(order.len(), |place| {
-            let corners = mesh.faces.vertices_of(order[place]);
-            let [a, b, c] = [0, 1, 2].map(|k| Vec3A::from(mesh.points[corners[k]]));
-            Aabb { low: a.min(b).min(c), high: a.max(b).max(c) }
-        });
         let pieces = groups(&topology, |_, _| true);
         let shells = groups(&topology, |corner, twin| shares_uvs(product, &mesh.faces, corner, twin));
-        Self { mesh, topology, pieces, shells, order, tree }
+        Self { mesh, topology, pieces, shells, search: NearestSearch::new(&boxes(mesh)) }
     }
 
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
@@ -51,32 +49,20 @@ impl<'a> Surface<'a> {
 
     /// The outer normal at a vertex.
     pub fn normal(&self, vertex: VertexId) -> Vec3 {
-        let of = |face| {
-            let [a, b, c] = self.triangle(face);
-            (b - a).cross(c - a)
-        };
+        let of = |face| twice_area(self.mesh.faces.vertices_of(face), &self.mesh.points);
         self.topology.faces_at(vertex).map(of).sum::<Vec3>().normalize_or_zero()
     }
 
     /// The triangles within `reach` of `point` that `wanted` admits, ascending. In a crowd they are `most` of them, or fewer.
     pub fn near(&self, point: Vec3, reach: f32, most: usize, wanted: impl Fn(FaceId) -> bool) -> Vec<FaceId> {
-        let at = Vec3A::from(point);
-        let (mut found, mut visited) = (Vec::new(), 0);
-        self.tree.visit_while(&Aabb { low: at, high: at }.expanded(reach), &mut |place| {
-            let face = self.order[place];
-            visited += 1;
-            if wanted(face) {
-                let [a, b, c] = self.triangle(face);
-                let weights = closest_weights(a, b, c, point);
-                let distance = (a * weights.x + b * weights.y + c * weights.z).distance(point);
-                if distance <= reach {
-                    found.push(face);
-                }
-            }
-            found.len() < most && visited < VISITED * most
-        });
-        found.sort_unstable();
-        found
+        let near = Aabb::of([point.into()]).expanded(reach);
+        let near = self.search.intersecting(&near, &WorkLimit::new(TEST * VISITED * most)).into_iter().map(FaceId::new);
+        let is_near = |face: &FaceId| {
+            let [a, b, c] = self.triangle(*face);
+            let weights = closest_weights(a, b, c, point);
+            (a * weights.x + b * weights.y + c * weights.z).distance(point) <= reach
+        };
+        near.filter(|face| wanted(*face)).filter(is_near).take(most).collect()
     }
 }
 
@@ -89,14 +75,18 @@ pub fn shares_uvs(product: &SimProduct, faces: &Faces, corner: CornerId, twin: C
     are_same && sense(corner) * sense(twin) >= 0.0
 }
 
+/// The two half-edges of each edge that has two, the lower one first.
+pub fn twins(topology: &Topology) -> impl Iterator<Item = [CornerId; 2]> {
+    let pair = |corner| Some([corner, topology.twin(corner).filter(|&twin| corner < twin)?]);
+    topology.faces.corners().ids().filter_map(pair)
+}
+
 /// Groups of triangles across edges that `joins` admits, each numbered by its first triangle.
 fn groups(topology: &Topology, joins: impl Fn(CornerId, CornerId) -> bool) -> Vec<u32> {
     let count = topology.faces.len();
     let mut groups = Groups::<FaceId>::new(count);
-    for corner in topology.faces.corners().ids() {
-        if let Some(twin) = topology.twin(corner).filter(|&twin| corner < twin && joins(corner, twin)) {
-            groups.join(topology.faces.face_of(corner), topology.faces.face_of(twin));
-        }
+    for [corner, twin] in twins(topology).filter(|&[corner, twin]| joins(corner, twin)) {
+        groups.join(topology.faces.face_of(corner), topology.faces.face_of(twin));
     }
     let mut numbers = vec![0; count];
     let mut next = 0;

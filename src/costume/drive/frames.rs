@@ -7,15 +7,14 @@
 use super::fault;
 use glam::{Mat3, Quat, Vec2, Vec3};
 use rayon::prelude::*;
+use tailor_mesh::connectivity::{Csr, VertexId};
 use tailor_mesh::error::Error;
 
 /// A mesh at bind, ready to measure the rotation of its vertices.
 pub struct BindFrames {
     triangles: Vec<[u32; 3]>,
-    /// The first row of `corners` of each vertex, and one past the last.
-    rows: Vec<u32>,
     /// The triangles around each vertex, each with the corner that the vertex has.
-    corners: Vec<(u32, u8)>,
+    corners: Csr<VertexId, (u32, u8)>,
     /// The neighbours of each vertex in the order of `corners`, two each, with their share of the two directions.
     shares: Vec<[Vec2; 2]>,
     /// The frame of each vertex at bind: two directions in the tangent plane, and the normal.
@@ -32,21 +31,11 @@ impl BindFrames {
             let count = points.len();
             return Err(fault(format!("triangle {triangle:?} is beyond the {count} points of the simulation mesh")));
         }
-        let mut rows = vec![0u32; points.len() + 1];
-        triangles.as_flattened().iter().for_each(|&v| rows[v as usize + 1] += 1);
-        (0..points.len()).for_each(|v| rows[v + 1] += rows[v]);
-        let mut next = rows.clone();
-        let mut corners = vec![(0, 0); 3 * triangles.len()];
-        for (number, triangle) in triangles.iter().enumerate() {
-            for (corner, &v) in triangle.iter().enumerate() {
-                corners[next[v as usize] as usize] = (number as u32, corner as u8);
-                next[v as usize] += 1;
-            }
-        }
+        let corner = |(i, &v): (usize, &u32)| (VertexId::new(v as usize), ((i / 3) as u32, (i % 3) as u8));
+        let corners = triangles.as_flattened().iter().enumerate().map(corner);
         let mut frames = Self {
             triangles: triangles.to_vec(),
-            rows,
-            corners,
+            corners: Csr::group(points.len(), corners, (0, 0)),
             shares: Vec::new(),
             bind: Vec::with_capacity(points.len()),
         };
@@ -75,7 +64,7 @@ impl BindFrames {
     }
 
     fn rotation(&self, vertex: usize, points: &[Vec3]) -> Quat {
-        let first = self.rows[vertex] as usize;
+        let first = self.corners.offsets()[vertex] as usize;
         let normal = self.normal(vertex, points);
         let (mut x, mut y) = (Vec3::ZERO, Vec3::ZERO);
         for (ends, shares) in self.ring(vertex).zip(&self.shares[first..]) {
@@ -96,8 +85,7 @@ impl BindFrames {
 
     /// The other two vertices of each triangle around a vertex.
     fn ring(&self, vertex: usize) -> impl Iterator<Item = [usize; 2]> + '_ {
-        let row = self.rows[vertex] as usize..self.rows[vertex + 1] as usize;
-        self.corners[row].iter().map(|&(triangle, corner)| {
+        self.corners.row(VertexId::new(vertex)).iter().map(|&(triangle, corner)| {
             let triangle = self.triangles[triangle as usize];
             [1, 2].map(|k| triangle[(corner as usize + k) % 3] as usize)
         })

@@ -121,12 +121,8 @@ impl Driver {
         self.bound.par_iter().map(|bound| bound.turn(rotations)).collect()
     }
 
-    /// Directions that turn with bound points: `directions` at bind, each with the number of its point in `of`.
-    pub fn directions(&self, sim: &[Vec3], directions: &[Vec3], of: &[u32]) -> Vec<Vec3> {
-        self.directions_by(&self.frames.rotations(sim), directions, of)
-    }
-
-    /// As [`Driver::directions`], by the rotations of the simulation mesh's vertices from bind.
+    /// Directions that turn with bound points, by the rotations of the simulation mesh's vertices from bind: `directions` at bind, each
+    /// with the number of its point in `of`.
     pub fn directions_by(&self, rotations: &[Quat], directions: &[Vec3], of: &[u32]) -> Vec<Vec3> {
         let turned = |(direction, &point): (&Vec3, &u32)| self.bound[point as usize].turn(rotations) * *direction;
         directions.par_iter().zip(of).map(turned).collect()

@@ -4,8 +4,9 @@ use super::triangle::{TriangleSearch, at};
 use crate::codes;
 use glam::DVec3;
 use rayon::prelude::*;
+use tailor_mesh::connectivity::{CornerId, VertexId};
 use tailor_mesh::error::{Error, ErrorKind};
-use tailor_mesh::garment::{Meaning, Mesh, Orientation, Primvar, PrimvarRole, Values};
+use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Orientation, Primvar};
 
 /// How far outside of all faces a UV may be. \[UV units\]
 const UV_TOLERANCE: f64 = 0.01;
@@ -168,7 +169,7 @@ pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
 /// The points of `to` at the UVs of the vertices of `from`.
 fn by_uvs(from: &Mesh, to: &Mesh) -> Result<Vec<DVec3>, Error> {
     let fault = |text: String| {
-        let remedy = "name bodies of the same faces, or with a common UV set";
+        let remedy = "name bodies of the same faces, or with a common UV set of texCoord2f[], faceVarying or vertex";
         Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::BODIES_DIFFER).remedy(remedy)
     };
     let (a, b) = (from.points.len(), to.points.len());
@@ -199,16 +200,16 @@ fn by_uvs(from: &Mesh, to: &Mesh) -> Result<Vec<DVec3>, Error> {
     Ok(found.iter().zip(from.points.iter()).map(|(found, p)| found.map_or(p.as_dvec3(), |(place, _)| place)).collect())
 }
 
-/// The UV sets of a mesh: their names, and the UV of each corner.
+/// The UV sets of a mesh: their names, and the UV of each corner. A body without seams may have its UVs at its points.
 fn uv_sets(mesh: &Mesh) -> impl Iterator<Item = (&str, Vec<DVec3>)> {
-    let is_uvs = |p: &&Primvar| p.role == PrimvarRole::Primvar && p.meaning == Meaning::TextureCoordinate;
-    mesh.primvars.iter().filter(is_uvs).filter_map(|primvar| {
-        let Values::F32(values) = &primvar.values else { return None };
-        let uv = |row: usize| DVec3::new(f64::from(values[2 * row]), f64::from(values[2 * row + 1]), 0.0);
-        Some((
-            primvar.name.as_str(),
-            primvar.corner_rows(&mesh.faces, mesh.points.len()).iter().map(|&row| uv(row as usize)).collect(),
-        ))
+    let is_at_points = |p: &Primvar| matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying);
+    let has_uvs = |p: &Primvar| p.meaning == Meaning::TextureCoordinate && p.has_uvs();
+    mesh.primvars.iter().filter(move |p| p.is_uv_set() || is_at_points(p) && has_uvs(p)).map(move |primvar| {
+        let uv = |(corner, vertex): (CornerId, &VertexId)| {
+            let element = if is_at_points(primvar) { vertex.index() } else { corner.index() };
+            primvar.uv(primvar.row(element) as u32).extend(0.0)
+        };
+        (primvar.name.as_str(), mesh.faces.corners().enumerated().map(uv).collect())
     })
 }
 

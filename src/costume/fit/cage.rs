@@ -65,8 +65,9 @@ impl Cage {
     pub fn edges_in(&self, set: &Elements) -> Vec<bool> {
         match set {
             Elements::Edges(all) => {
-                let all: BTreeSet<[usize; 2]> = all.iter().map(|[a, b]| ordered(a.index(), b.index())).collect();
-                self.edges.iter().map(|&[a, b]| all.contains(&ordered(a, b))).collect()
+                let both = all.iter().map(|edge| edge.map(|v| v.index())).flat_map(|[a, b]| [[a, b], [b, a]]);
+                let all: BTreeSet<[usize; 2]> = both.collect();
+                self.edges.iter().map(|edge| all.contains(edge)).collect()
             }
             Elements::Faces(all) => {
                 let all: BTreeSet<usize> = all.iter().map(|f| f.index()).collect();
@@ -93,8 +94,4 @@ impl Cage {
         }
         parts.into_values().map(|part| part.into_iter().collect()).collect()
     }
-}
-
-fn ordered(a: usize, b: usize) -> [usize; 2] {
-    [a.min(b), a.max(b)]
 }

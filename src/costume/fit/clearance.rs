@@ -6,6 +6,7 @@ use super::contacts::{Contact, Elements, with_body, with_itself};
 use super::crossings::{CrossingFaces, Crossings};
 use super::rigid::Limit;
 use glam::DVec3;
+use tailor::contact::WorkLimit;
 
 /// Reach of contacts with the body and with the cage, as shares of the mean edge at a vertex. Less misses what comes near in a
 /// step; more slows.
@@ -29,7 +30,8 @@ pub struct Clearance<'a> {
     distance: [Vec<f64>; 2],
     /// The share of its room that each vertex has kept where there was less.
     squeeze: Vec<f64>,
-    body: Elements,
+    /// Elements of the body, among the points of both.
+    pub body: Elements,
     /// Elements of faces that are held off the body.
     free: Elements,
 }
@@ -47,10 +49,10 @@ impl Elements {
 }
 
 impl<'a> Clearance<'a> {
-    /// The clearance at the start.
-    pub fn new(cage: &'a Cage, rest: &[DVec3], bodies: &'a Bodies) -> Self {
+    /// The clearance at the start. Incomplete beyond the bound of `work`, as all of its searches are.
+    pub fn new(cage: &'a Cage, rest: &[DVec3], bodies: &'a Bodies, work: &WorkLimit) -> Self {
         let count = rest.len();
-        let start = Crossings::of(cage, rest, bodies, &bodies.from).faces(cage);
+        let start = Crossings::of(cage, rest, bodies, &bodies.from, work).faces(cage);
         // Points that no face has are not in the way.
         let mut is_used = vec![false; bodies.from.len()];
         bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
@@ -62,9 +64,9 @@ impl<'a> Clearance<'a> {
         let distance = [(); 2].map(|()| vec![f64::INFINITY; count]);
         let edge = cage.mean_edges(rest);
         let (released, free) = (start.clone(), Elements::free(cage, &start));
-        let squeeze = vec![1.0; count];
-        let mut clearance = Self { cage, bodies, start, released, edge, distance, squeeze, body, free };
-        let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0);
+        let mut clearance =
+            Self { cage, bodies, start, released, edge, distance, squeeze: vec![1.0; count], body, free };
+        let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0, work);
         for (distance, contacts) in clearance.distance.iter_mut().zip(contacts) {
             for contact in contacts {
                 let own = contact.vertices.into_iter().filter(|&v| v < count);
@@ -75,11 +77,11 @@ impl<'a> Clearance<'a> {
     }
 
     /// Contacts with the body and of the cage with itself, of the points of both. `scale` is that of the cage.
-    pub fn contacts(&self, points: &[DVec3], scale: f64) -> [Vec<Contact>; 2] {
+    pub fn contacts(&self, points: &[DVec3], scale: f64, work: &WorkLimit) -> [Vec<Contact>; 2] {
         let reach = |share: f64| self.edge.iter().map(|edge| share * edge).collect::<Vec<_>>();
-        let with_body = with_body(&self.free, &self.body, points, &reach(REACH[0]));
+        let with_body = with_body(&self.free, &self.body, points, &reach(REACH[0]), work);
         let own = &points[..self.edge.len()];
-        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.released)]
+        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.released, work)]
     }
 
     /// The contacts as limits, with the body where it is in a shape.
@@ -122,14 +124,9 @@ impl<'a> Clearance<'a> {
         LEAST * self.cage.triangles[triangle].iter().map(|&v| self.edge[v]).fold(f64::INFINITY, f64::min)
     }
 
-    /// The triangles of the body, among the points of both.
-    pub fn body_triangle(&self, triangle: usize) -> [usize; 3] {
-        self.body.triangles[triangle]
-    }
-
     /// The triangles that cross, of faces that are held.
-    pub fn held_crossings(&self, points: &[DVec3], shape: &[DVec3]) -> Crossings {
-        Crossings::of(self.cage, points, self.bodies, shape).without(&self.released, self.cage)
+    pub fn held_crossings(&self, points: &[DVec3], shape: &[DVec3], work: &WorkLimit) -> Crossings {
+        Crossings::of(self.cage, points, self.bodies, shape, work).without(&self.released, self.cage)
     }
 
     /// Holds faces no longer.

@@ -4,11 +4,16 @@
 //! between elements are linear near where they are: a point and the plane of a triangle, or two edges and the direction across both.
 
 use super::cage::Cage;
-use super::crossings::{Boxes, CrossingFaces};
+use super::crossings::{CrossingFaces, search};
 use super::rigid::Limit;
-use super::triangle::{at, between, closest_shares, closest_weights};
+use super::triangle::{aabb, at, between, closest_shares, closest_weights};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::vec::IntoIter;
+use tailor::contact::{NearestSearch, WorkLimit};
+
+/// Contacts of one element at most, the nearest ones. Others hold nothing that these do not.
+const MOST_CONTACTS: usize = 32;
 
 /// Two elements that may not pass each other, and how they are where they were found.
 #[derive(Clone, Copy, Debug)]
@@ -79,23 +84,24 @@ pub struct Elements {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// The contacts of elements of a cage with a body, within the reach of each vertex of the cage.
-pub fn with_body(cage: &Elements, body: &Elements, points: &[DVec3], reach: &[f64]) -> Vec<Contact> {
+/// The contacts of elements of a cage with a body, within the reach of each vertex of the cage. Incomplete beyond the bound of
+/// `work`.
+pub fn with_body(cage: &Elements, body: &Elements, points: &[DVec3], reach: &[f64], work: &WorkLimit) -> Vec<Contact> {
     let most = reach.iter().copied().fold(0.0, f64::max);
-    let (triangles, edges) = (Boxes::new(&body.triangles, points), Boxes::new(&body.edges, points));
-    let own = Boxes::new(&cage.triangles, points);
+    let (triangles, edges) = (search(&body.triangles, points), search(&body.edges, points));
+    let own = search(&cage.triangles, points);
     let of_point = |&v: &usize| {
-        let near = triangles.near(&[points[v]], reach[v]).into_iter();
-        near.filter_map(move |t| Contact::of_point(v, body.triangles[t], points, reach[v]))
+        let near = near(&triangles, &[points[v]], reach[v], work);
+        nearest(near.filter_map(|t| Contact::of_point(v, body.triangles[t], points, reach[v])))
     };
     let of_body_point = |&v: &usize| {
-        let near = own.near(&[points[v]], most).into_iter().map(|t| cage.triangles[t]);
-        near.filter_map(move |t| Contact::of_point(v, t, points, least(reach, &t)))
+        let near = near(&own, &[points[v]], most, work).map(|t| cage.triangles[t]);
+        nearest(near.filter_map(|t| Contact::of_point(v, t, points, least(reach, &t))))
     };
     let of_edge = |&edge: &[usize; 2]| {
         let reach = least(reach, &edge);
-        let near = edges.near(&edge.map(|v| points[v]), reach).into_iter();
-        near.filter_map(move |b| Contact::of_edges(edge, body.edges[b], points, reach))
+        let near = near(&edges, &edge.map(|v| points[v]), reach, work);
+        nearest(near.filter_map(|b| Contact::of_edges(edge, body.edges[b], points, reach)))
     };
     let mut all: Vec<Contact> = cage.vertices.par_iter().flat_map_iter(of_point).collect();
     all.par_extend(body.vertices.par_iter().flat_map_iter(of_body_point));
@@ -103,27 +109,49 @@ pub fn with_body(cage: &Elements, body: &Elements, points: &[DVec3], reach: &[f6
     all
 }
 
-/// The contacts of a cage with itself, of elements without a common vertex whose faces did not cross before.
-pub fn with_itself(cage: &Cage, points: &[DVec3], reach: &[f64], before: &CrossingFaces) -> Vec<Contact> {
-    let (triangles, edges) = (Boxes::new(&cage.triangles, points), Boxes::new(&cage.edges, points));
+/// The contacts of a cage with itself, of elements without a common vertex whose faces did not cross before. Incomplete beyond the
+/// bound of `work`.
+pub fn with_itself(
+    cage: &Cage,
+    points: &[DVec3],
+    reach: &[f64],
+    before: &CrossingFaces,
+    work: &WorkLimit,
+) -> Vec<Contact> {
+    let (triangles, edges) = (search(&cage.triangles, points), search(&cage.edges, points));
     let crossed = |a: &[usize], b: &[usize]| {
         let have_crossed = |f: usize| cage.faces_of(b).all(|g| before.own.contains(&[f.min(g), f.max(g)]));
         !before.own.is_empty() && cage.faces_of(a).all(have_crossed)
     };
     let may_touch = |a: &[usize], b: &[usize]| !a.iter().any(|v| b.contains(v)) && !crossed(a, b);
     let of_point = |v: usize| {
-        let near = triangles.near(&[points[v]], reach[v]).into_iter().map(|t| cage.triangles[t]);
-        let near = near.filter(move |t| may_touch(&[v], t));
-        near.filter_map(move |t| Contact::of_point(v, t, points, reach[v].min(least(reach, &t))))
+        let near = near(&triangles, &[points[v]], reach[v], work).map(|t| cage.triangles[t]);
+        let near = near.filter(|t| may_touch(&[v], t));
+        nearest(near.filter_map(|t| Contact::of_point(v, t, points, reach[v].min(least(reach, &t)))))
     };
     let of_edge = |e: usize| {
         let (edge, own) = (cage.edges[e], least(reach, &cage.edges[e]));
-        let near = edges.near(&edge.map(|v| points[v]), own).into_iter().filter(move |&o| o > e);
-        let near = near.map(|o| cage.edges[o]).filter(move |o| may_touch(&edge, o));
-        near.filter_map(move |o| Contact::of_edges(edge, o, points, own.min(least(reach, &o))))
+        let near = near(&edges, &edge.map(|v| points[v]), own, work).filter(|&o| o > e);
+        let near = near.map(|o| cage.edges[o]).filter(|o| may_touch(&edge, o));
+        nearest(near.filter_map(|o| Contact::of_edges(edge, o, points, own.min(least(reach, &o)))))
     };
     let mut all: Vec<Contact> = (0..points.len()).into_par_iter().flat_map_iter(of_point).collect();
     all.par_extend((0..cage.edges.len()).into_par_iter().flat_map_iter(of_edge));
+    all
+}
+
+/// The elements whose boxes some points come within a reach of, ascending.
+fn near(all: &NearestSearch, points: &[DVec3], reach: f64, work: &WorkLimit) -> IntoIter<usize> {
+    all.intersecting(&aabb(points).expanded(reach as f32), work).into_iter()
+}
+
+/// The nearest contacts of one element.
+fn nearest(contacts: impl Iterator<Item = Contact>) -> Vec<Contact> {
+    let mut all: Vec<Contact> = contacts.collect();
+    if all.len() > MOST_CONTACTS {
+        all.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        all.truncate(MOST_CONTACTS);
+    }
     all
 }
 

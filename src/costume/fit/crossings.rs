@@ -3,36 +3,15 @@
 use super::bodies::Bodies;
 use super::cage::Cage;
 use super::triangle::{aabb, cross};
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use tailor::contact::{Aabb, Bvh, morton_sorted};
+use tailor::contact::{NearestSearch, WorkLimit};
+use tailor_mesh::connectivity::{Elements, FaceId};
 
 /// Elements in a hierarchy of boxes.
-pub struct Boxes {
-    order: Vec<usize>,
-    tree: Bvh,
-}
-
-impl Boxes {
-    pub fn new<const N: usize>(elements: &[[usize; N]], points: &[DVec3]) -> Self {
-        let boxes: Vec<Aabb> = elements.iter().map(|e| aabb(&e.map(|v| points[v]))).collect();
-        let centres: Vec<Vec3A> = boxes.iter().map(|b| 0.5 * b.low + 0.5 * b.high).collect();
-        let order = morton_sorted(&centres);
-        let tree = Bvh::new(boxes.len(), |slot| boxes[order[slot]]);
-        Self { order, tree }
-    }
-
-    /// The elements whose boxes some points come within a reach of, ascending.
-    pub fn near(&self, points: &[DVec3], reach: f64) -> Vec<usize> {
-        let mut found = Vec::new();
-        self.tree.visit_while(&aabb(points).expanded(reach as f32), &mut |slot| {
-            found.push(self.order[slot]);
-            true
-        });
-        found.sort_unstable();
-        found
-    }
+pub fn search<const N: usize>(elements: &[[usize; N]], points: &[DVec3]) -> NearestSearch {
+    NearestSearch::new(&elements.iter().map(|e| aabb(&e.map(|v| points[v]))).collect::<Vec<_>>())
 }
 
 /// Triangles that cross.
@@ -45,19 +24,20 @@ pub struct Crossings {
 }
 
 impl Crossings {
-    /// Finds where a cage at `points` crosses a body in a shape, and itself.
-    pub fn of(cage: &Cage, points: &[DVec3], bodies: &Bodies, shape: &[DVec3]) -> Self {
-        let (of_body, of_cage) = (Boxes::new(&bodies.triangles, shape), Boxes::new(&cage.triangles, points));
+    /// Finds where a cage at `points` crosses a body in a shape, and itself. Incomplete beyond the bound of `work`.
+    pub fn of(cage: &Cage, points: &[DVec3], bodies: &Bodies, shape: &[DVec3], work: &WorkLimit) -> Self {
+        let (of_body, of_cage) = (search(&bodies.triangles, shape), search(&cage.triangles, points));
         let corners = |t: usize| cage.triangles[t].map(|v| points[v]);
         let with_body = |t: usize| {
             let own = corners(t);
-            let near = of_body.near(&own, 0.0).into_iter();
+            let near = of_body.intersecting(&aabb(&own), work).into_iter();
             near.filter(move |&b| cross(own, bodies.triangles[b].map(|v| shape[v]))).map(move |b| [t, b])
         };
         let share_vertex = |t: usize, o: usize| cage.triangles[o].iter().any(|v| cage.triangles[t].contains(v));
         let with_own = |t: usize| {
             let own = corners(t);
-            let others = of_cage.near(&own, 0.0).into_iter().filter(move |&o| o > t && !share_vertex(t, o));
+            let others =
+                of_cage.intersecting(&aabb(&own), work).into_iter().filter(move |&o| o > t && !share_vertex(t, o));
             others.filter(move |&o| cage.face[o] != cage.face[t] && cross(own, corners(o))).map(move |o| [t, o])
         };
         let count = cage.triangles.len();
@@ -88,6 +68,12 @@ impl Crossings {
 }
 
 impl CrossingFaces {
+    /// All of them.
+    pub fn elements(&self) -> Elements {
+        let all: BTreeSet<usize> = self.body.iter().chain(self.own.iter().flatten()).copied().collect();
+        Elements::Faces(all.into_iter().map(FaceId::new).collect())
+    }
+
     /// Adds others.
     pub fn add(&mut self, others: Self) {
         self.body.extend(others.body);

@@ -4,8 +4,11 @@ use super::bound::BoundPoints;
 use super::contacts::Contact;
 use super::crossings::{CrossingFaces, Crossings};
 use super::path::Path;
+use super::{SEARCH_PART, work_limit};
 use glam::DVec3;
 use serde::Serialize;
+use std::collections::BTreeSet;
+use tailor::contact::WorkLimit;
 use tailor_mesh::garment::Mesh;
 
 /// Change of an edge's length, against that of the body around it, up to which it counts as kept.
@@ -44,6 +47,12 @@ pub struct CrossingCount {
     pub new: usize,
 }
 
+impl CrossingCount {
+    fn new<T: Ord>(before: &BTreeSet<T>, after: &BTreeSet<T>) -> Self {
+        Self { before: before.len(), after: after.len(), new: after.difference(before).count() }
+    }
+}
+
 /// Distances from a body before and after. \[mesh units\]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BodyDistance {
@@ -70,13 +79,16 @@ pub(super) struct Ending<'a> {
     pub points: Vec<DVec3>,
     pub bound: BoundPoints<'a>,
     pub crossings: CrossingFaces,
+    /// That of its searches.
+    pub work: WorkLimit,
 }
 
 impl<'a> Ending<'a> {
     pub fn new(path: &Path<'a>, points: Vec<DVec3>) -> Self {
+        let work = work_limit(path.cage, path.bodies, SEARCH_PART);
         let to = &path.bodies.to;
-        let crossings = Crossings::of(path.cage, &points, path.bodies, to).faces(path.cage);
-        Self { bound: BoundPoints::new(path.bodies, to, &points), crossings, points }
+        let crossings = Crossings::of(path.cage, &points, path.bodies, to, &work).faces(path.cage);
+        Self { bound: BoundPoints::new(path.bodies, to, &points), crossings, points, work }
     }
 }
 
@@ -86,23 +98,15 @@ impl FitFigures {
         let (to, points) = (&path.bodies.to, &end.points);
         let mean = |bound: &BoundPoints| bound.distances().sum::<f64>() / points.len().max(1) as f64;
         let least = |points: &[DVec3], shape: &[DVec3]| {
-            let [with_body, _] = path.clearance.contacts(&[points, shape].concat(), 1.0);
+            let [with_body, _] = path.clearance.contacts(&[points, shape].concat(), 1.0, &end.work);
             with_body.iter().map(|contact: &Contact| contact.distance).reduce(f64::min)
         };
         let lengths = Lengths::new(path, points);
         let ratios = || lengths.before.iter().zip(&lengths.after).filter(|(b, _)| **b > 0.0).map(|(b, a)| a / b);
         Self {
             points: points.len(),
-            body_crossings: CrossingCount {
-                before: before.body.len(),
-                after: after.body.len(),
-                new: after.body.difference(&before.body).count(),
-            },
-            own_crossings: CrossingCount {
-                before: before.own.len(),
-                after: after.own.len(),
-                new: after.own.difference(&before.own).count(),
-            },
+            body_crossings: CrossingCount::new(&before.body, &after.body),
+            own_crossings: CrossingCount::new(&before.own, &after.own),
             distance: BodyDistance {
                 least: [least(path.rest, &path.bodies.from), least(points, to)],
                 mean: [mean(&path.bound), mean(&end.bound)],

@@ -24,10 +24,10 @@ pub use options::{BodyOptions, PanelRest};
 
 use crate::codes;
 use cage::Cage;
-use crossings::Crossings;
+use crossings::{CrossingFaces, Crossings};
 use glam::{DVec3, Vec3};
 use path::Path;
-use std::collections::BTreeSet;
+use tailor::contact::WorkLimit;
 use tailor_mesh::connectivity::{Elements, FaceId, VertexId};
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
 use tailor_mesh::garment::Mesh;
@@ -39,6 +39,12 @@ const MOST_DISTANCE: f64 = 0.25;
 /// Share of edges that follow the body, and of points that go inside it, beyond which the garment did not follow.
 const LEAST_KEPT: f64 = 0.5;
 const MOST_SUNK: f64 = 0.2;
+
+/// Work of a fit for each triangle of the garment and of the body, and of any fit: garments take a tenth. A search on one shape of the
+/// body may take a part of it.
+const WORK_PER_TRIANGLE: [usize; 2] = [25_000, 2_500];
+const LEAST_WORK: usize = 500_000_000;
+const SEARCH_PART: usize = 8;
 
 /// How sets of the garment follow the body.
 #[derive(Clone, Debug, Default)]
@@ -104,15 +110,17 @@ pub struct Fitted {
 /// ```
 ///
 /// # Errors
-/// Points beyond the numbers of a file.
+/// Points beyond the numbers of a file, and faces that lie beside very many others.
 pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted, Error> {
     let rest: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
     let cage = Cage::new(mesh);
     let mut path = Path::new(&cage, &rest, bodies, options);
+    check_crowd(mesh, &path.start)?;
     let mut warnings: Warnings = far_from_body(mesh, &path, bodies).into_iter().collect();
     let points = path.run();
     let end = Ending::new(&path, points);
     let figures = FitFigures::new(mesh, &path, &end);
+    check_crowd(mesh, &end.work)?;
     warnings.extend(new_crossings(mesh, &path, &end));
     warnings.extend(left_behind(mesh, &path, &end, &figures));
     let single = |points: &[DVec3]| points.iter().map(|p| p.as_vec3()).collect::<Vec<Vec3>>();
@@ -130,8 +138,27 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
 pub fn faces_through(mesh: &Mesh, body: &Mesh) -> Result<Vec<FaceId>, Error> {
     let (bodies, cage) = (Bodies::new(body, body)?, Cage::new(mesh));
     let points: Vec<DVec3> = mesh.points.iter().map(|p| p.as_dvec3()).collect();
-    let found = Crossings::of(&cage, &points, &bodies, &bodies.from).faces(&cage);
+    let work = work_limit(&cage, &bodies, SEARCH_PART);
+    let found = Crossings::of(&cage, &points, &bodies, &bodies.from, &work).faces(&cage);
+    check_crowd(mesh, &work)?;
     Ok(found.body.into_iter().map(FaceId::new).collect())
+}
+
+/// The bound on the work of a fit, or on a part of it.
+fn work_limit(cage: &Cage, bodies: &Bodies, part: usize) -> WorkLimit {
+    let [own, of_body] = WORK_PER_TRIANGLE;
+    WorkLimit::new((LEAST_WORK + own * cage.triangles.len() + of_body * bodies.triangles.len()) / part)
+}
+
+/// Refuses a garment of which a search has passed its bound.
+fn check_crowd(mesh: &Mesh, search: &WorkLimit) -> Result<(), Error> {
+    if !search.is_over() {
+        return Ok(());
+    }
+    let text =
+        "so many of its faces lie in the same places as others, or as faces of the body, that none can be kept apart";
+    let remedy = "take out faces in disorder, and give the garment and both bodies the same place and unit";
+    Err(Error::new(ErrorKind::Mesh, &mesh.prim, text).code(tailor::codes::TOO_LARGE).remedy(remedy))
 }
 
 /// The warning of a garment that is not on the body that it is said to be made for.
@@ -156,7 +183,9 @@ fn far_from_body(mesh: &Mesh, path: &Path, bodies: &Bodies) -> Option<Warning> {
 fn left_behind(mesh: &Mesh, path: &Path, end: &Ending, figures: &FitFigures) -> Option<Warning> {
     let heights = path.bound.heights().zip(end.bound.heights());
     let sunk: Vec<usize> = heights.enumerate().filter(|(_, (a, b))| *a > 0.0 && *b < 0.0).map(|(v, _)| v).collect();
-    let problem = if path.share < 1.0 {
+    let problem = if path.share < 1.0 && path.work.is_over() {
+        format!("its fit took too much work, and ended after {:.0} % of the way", 100.0 * path.share)
+    } else if path.share < 1.0 {
         format!("it could not follow the body for more than {:.0} % of the way", 100.0 * path.share)
     } else if figures.edges_kept < LEAST_KEPT {
         format!("{:.0} % of its edges follow the body within 15 %", 100.0 * figures.edges_kept)
@@ -165,22 +194,82 @@ fn left_behind(mesh: &Mesh, path: &Path, end: &Ending, figures: &FitFigures) -> 
     } else {
         return None;
     };
+    let places = match path.stuck.elements() {
+        stuck if path.share < 1.0 && !stuck.is_empty() => stuck,
+        _ => Elements::Points(sunk.into_iter().map(VertexId::new).collect()),
+    };
     Some(
         Warning::new(codes::FIT_LEFT_BEHIND, &mesh.prim, problem)
-            .at(Elements::Points(sunk.into_iter().map(VertexId::new).collect()))
-            .remedy("Compare the bodies, and the sets of --rigid and --keep-length: there is no room, or what corresponds does not"),
+            .at(places)
+            .remedy("Compare the bodies and the sets of --rigid and --keep-length, or mend faces in disorder"),
     )
 }
 
 /// The warning of faces that cross the body or each other and did not before.
 fn new_crossings(mesh: &Mesh, path: &Path, end: &Ending) -> Option<Warning> {
     let (start, found) = (&path.clearance.start, &end.crossings);
-    let own = found.own.difference(&start.own).flatten();
-    let faces: BTreeSet<usize> = found.body.difference(&start.body).chain(own).copied().collect();
+    let (body, own) = (&found.body - &start.body, &found.own - &start.own);
+    let faces = CrossingFaces { body, own }.elements();
     (!faces.is_empty()).then(|| {
         let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
         Warning::new(codes::FIT_CROSSES, &mesh.prim, problem)
-            .at(Elements::Faces(faces.into_iter().map(FaceId::new).collect()))
+            .at(faces)
             .remedy("Give the garment more ease there, or move these points by hand")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tailor_mesh::connectivity::Faces;
+
+    /// A sheet of n by n quads of the size 1, `height` above the plane.
+    fn sheet(n: usize, height: f32) -> Mesh {
+        let corner = |i: usize| (i / n) * (n + 1) + i % n;
+        let quads = (0..n * n).flat_map(|i| [0, 1, n + 2, n + 1].map(|k| VertexId::new(corner(i) + k)));
+        let at = |i: usize| Vec3::new((i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0) / n as f32 + height * Vec3::Z;
+        let points = (0..(n + 1) * (n + 1)).map(at).collect();
+        Mesh { points, faces: Faces::quads(quads.collect::<Vec<_>>()), ..Mesh::default() }
+    }
+
+    /// A number from 0 to 1 that looks random.
+    fn random(i: usize) -> f32 {
+        (i as u32).wrapping_mul(2_654_435_761).wrapping_add(12_345).wrapping_mul(2_246_822_519) as f32 / u32::MAX as f32
+    }
+
+    #[test]
+    fn faces_in_disorder_are_refused_in_time() {
+        let mut soup = sheet(60, 0.0);
+        soup.points = (0..soup.points.len()).map(|i| Vec3::from([0, 1, 2].map(|k| random(3 * i + k)))).collect();
+        let body = sheet(8, 0.0);
+        let bodies = Bodies::new(&body, &body).expect("a body corresponds to itself");
+        let fault = fit(&soup, &bodies, &FitOptions::default()).expect_err("nothing can be kept apart");
+        assert_eq!(fault.faults[0].code, tailor::codes::TOO_LARGE, "{fault}");
+        assert!(faces_through(&soup, &body).is_err());
+    }
+
+    #[test]
+    fn beyond_the_bound_of_work_a_fit_is_as_good_as_it_has_become() {
+        let (garment, from) = (sheet(12, 0.02), sheet(20, 0.0));
+        let points = from.points.iter().map(|p| 2.0 * *p + 0.3 * (6.0 * p.x).sin() * Vec3::Z).collect();
+        let bodies = Bodies::new(&from, &Mesh { points, ..from.clone() }).expect("the same faces");
+        let rest: Vec<DVec3> = garment.points.iter().map(|p| p.as_dvec3()).collect();
+        let cage = Cage::new(&garment);
+        let run = |most: usize| {
+            let mut path = Path::new(&cage, &rest, &bodies, &FitOptions::default());
+            path.work = WorkLimit::new(most);
+            let points = path.run();
+            let over = path.work.spent().saturating_sub(most);
+            let end = Ending::new(&path, points);
+            let figures = FitFigures::new(&garment, &path, &end);
+            (path.share, path.work.spent(), over, left_behind(&garment, &path, &end, &figures))
+        };
+        let (share, spent, _, warning) = run(usize::MAX);
+        assert!(share == 1.0 && warning.is_none());
+        for part in [2, 3, 10, 1000] {
+            let (share, _, over, warning) = run(spent / part);
+            assert!(share < 1.0 && over < spent / 8, "{share} {over} of {spent}");
+            assert!(warning.is_some_and(|warning| warning.problem.contains("too much work")), "{part}");
+        }
+    }
 }

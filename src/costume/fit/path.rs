@@ -3,7 +3,6 @@
 //! A step begins where nothing new crosses, with the body already in its next shape. What is near is held apart along the directions
 //! that it has there. Triangles that cross nevertheless are held apart as wholes; if that does not help, the step is cut.
 
-use super::FitOptions;
 use super::bodies::Bodies;
 use super::bound::BoundPoints;
 use super::cage::Cage;
@@ -12,7 +11,10 @@ use super::contacts::apart;
 use super::crossings::{CrossingFaces, Crossings};
 use super::rigid::{Goal, Limit, RigidCage};
 use super::stretch::Surroundings;
+use super::{FitOptions, SEARCH_PART, work_limit};
 use glam::{DQuat, DVec3};
+use tailor::contact::WorkLimit;
+use tailor_mesh::meter;
 
 /// Steps of the whole way, and how often one of them may be cut in half.
 const STEPS: usize = 8;
@@ -36,9 +38,12 @@ pub struct Path<'a> {
     pub bound: BoundPoints<'a>,
     pub clearance: Clearance<'a>,
     surroundings: Surroundings,
+    /// That of the searches at the start, and that of all after it.
+    pub start: WorkLimit,
+    pub work: WorkLimit,
     rigid: RigidCage<'a>,
     /// What crossed in the last try of a step.
-    stuck: CrossingFaces,
+    pub stuck: CrossingFaces,
     released: usize,
     /// The share of the way that it went.
     pub share: f64,
@@ -55,7 +60,9 @@ struct State {
 }
 
 impl<'a> Path<'a> {
+    /// A garment at the start, which is incomplete beyond the bound of its searches.
     pub fn new(cage: &'a Cage, rest: &'a [DVec3], bodies: &'a Bodies, options: &FitOptions) -> Self {
+        let [start, work] = [SEARCH_PART, 1].map(|part| work_limit(cage, bodies, part));
         let bound = BoundPoints::new(bodies, &bodies.from, rest);
         let far = FAR * bodies.size().max(f64::MIN_POSITIVE);
         let pull = bound.distances().map(|distance| PULL / (1.0 + (distance / far).powi(2))).collect();
@@ -63,9 +70,11 @@ impl<'a> Path<'a> {
             cage,
             rest,
             bodies,
-            clearance: Clearance::new(cage, rest, bodies),
-            surroundings: Surroundings::new(bodies, &bound.vertices()),
+            clearance: Clearance::new(cage, rest, bodies, &start),
+            surroundings: Surroundings::new(bodies, &bound.vertices(), &start),
             rigid: RigidCage::new(cage, rest, pull, options),
+            start,
+            work,
             bound,
             stuck: CrossingFaces::default(),
             released: 0,
@@ -74,14 +83,16 @@ impl<'a> Path<'a> {
         }
     }
 
-    /// The points at the end of the way.
+    /// The points at the end of the way, or as far as the bound of work allows.
     pub fn run(&mut self) -> Vec<DVec3> {
         let mut state = State { share: 0.0, points: self.rest.to_vec(), turns: vec![DQuat::IDENTITY; self.rest.len()] };
         // Whole numbers, so that the end is met.
         let unit = STEPS << MOST_CUTS;
         let (mut at, mut step) = (0, 1 << MOST_CUTS);
         self.steps = vec![(0.0, state.points.clone())];
-        while at < unit {
+        while at < unit && !self.work.is_over() {
+            // With half of the work left, faces that cannot follow are let go at once, so that the others arrive.
+            let is_late = self.work.left() < self.work.spent();
             let next = (at + step).min(unit);
             let shape_share = next as f64 / unit as f64;
             let rounds = if next == unit { LAST_ROUNDS } else { 1 };
@@ -91,8 +102,8 @@ impl<'a> Path<'a> {
                     self.steps.push((shape_share, state.points.clone()));
                     step = (2 * step).min(1 << MOST_CUTS);
                 }
-                None if step > 1 => step /= 2,
-                None if self.released < MOST_RELEASED => {
+                None if step > 1 && !is_late => step /= 2,
+                None if self.released < MOST_RELEASED || is_late => {
                     self.released += 1;
                     self.clearance.release(std::mem::take(&mut self.stuck));
                 }
@@ -144,15 +155,19 @@ impl<'a> Path<'a> {
         goal: impl Fn(Vec<Limit>) -> Goal<'g>,
     ) -> Option<Vec<DVec3>> {
         let (before, after) = ([&state.points[..], body].concat(), [&state.points[..], shape].concat());
-        let contacts = self.clearance.contacts(&before, scale);
+        let contacts = self.clearance.contacts(&before, scale, &self.work);
         let mut held = Vec::new();
         for _ in 0..TRIES {
+            meter::check();
             let mut limits = self.clearance.limits(&contacts, shape, scale);
             limits.extend_from_slice(&held);
             let goal = goal(limits);
             let mut points = state.points.clone();
-            self.rigid.solve(&goal, &state.turns, &mut points);
-            let found = self.clearance.held_crossings(&points, shape);
+            self.rigid.solve(&goal, &state.turns, &mut points, &self.work);
+            let found = self.clearance.held_crossings(&points, shape, &self.work);
+            if self.work.is_over() {
+                return None;
+            }
             if found.is_empty() {
                 return Some(points);
             }
@@ -167,7 +182,7 @@ impl<'a> Path<'a> {
     fn hold_apart(&self, found: &Crossings, before: &[DVec3], after: &[DVec3], held: &mut Vec<Limit>) {
         let (count, triangle) = (self.rest.len(), |t: usize| self.cage.triangles[t]);
         for &[t, b] in &found.body {
-            let pair = [triangle(t), self.clearance.body_triangle(b)];
+            let pair = [triangle(t), self.clearance.body.triangles[b]];
             held.extend(apart(pair, before, after, count, self.clearance.least_of(t)));
         }
         for &[a, b] in &found.own {

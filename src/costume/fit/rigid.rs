@@ -7,6 +7,7 @@
 use super::FitOptions;
 use super::cage::Cage;
 use glam::{DMat3, DQuat, DVec3};
+use tailor::contact::WorkLimit;
 
 /// Weights of the edges of sets that keep their lengths, and of those that are rigid, against that of an edge.
 const KEPT_WEIGHT: f64 = 10.0;
@@ -19,6 +20,8 @@ const NEWTON_STEPS: usize = 8;
 /// Steps of conjugate gradients at most, and the share of the first residual at which they end.
 const MOST_STEPS: usize = 1000;
 const RESIDUAL: f64 = 1e-4;
+/// Terms of sums that take the work of a test of two boxes.
+const TERMS: usize = 4;
 /// Halvings of the interval of a line search.
 const HALVINGS: usize = 20;
 /// Iterations for a rotation at most, and the share of the matrix that keeps their steps finite.
@@ -117,8 +120,9 @@ impl<'a> RigidCage<'a> {
         turns.iter_mut().zip(&sums).for_each(|(turn, sum)| *turn = rotation(sum, *turn));
     }
 
-    /// Moves points to where the edges, the targets and the limits ask for, with limits that hold nearly.
-    pub fn solve(&self, goal: &Goal, turns: &[DQuat], points: &mut [DVec3]) {
+    /// Moves points to where the edges, the targets and the limits ask for, with limits that hold nearly. Not there yet beyond the
+    /// bound of work.
+    pub fn solve(&self, goal: &Goal, turns: &[DQuat], points: &mut [DVec3], work: &WorkLimit) {
         let mut right: Vec<DVec3> = self.pull.iter().zip(goal.targets).map(|(pull, target)| *pull * *target).collect();
         for (e, &[i, j]) in self.edges.iter().enumerate() {
             let wanted = 0.5 * self.weights[e] * (turns[i] * goal.edges[e] + turns[j] * goal.edges[e]);
@@ -128,7 +132,7 @@ impl<'a> RigidCage<'a> {
         // Each multiplier as a length by which its limit is shifted.
         let mut shifts = vec![0.0; goal.limits.len()];
         for _ in 0..MULTIPLIER_STEPS {
-            self.newton(goal, &shifts, &right, points);
+            self.newton(goal, &shifts, &right, points, work);
             let mut most: f64 = 0.0;
             for (shift, limit) in shifts.iter_mut().zip(&goal.limits) {
                 let value = limit.value(points);
@@ -142,17 +146,17 @@ impl<'a> RigidCage<'a> {
     }
 
     /// The points of least energy with multipliers, by Newton's steps with the limits that push.
-    fn newton(&self, goal: &Goal, shifts: &[f64], right: &[DVec3], points: &mut [DVec3]) {
+    fn newton(&self, goal: &Goal, shifts: &[f64], right: &[DVec3], points: &mut [DVec3], work: &WorkLimit) {
         let mut before: Vec<usize> = vec![usize::MAX];
         for _ in 0..NEWTON_STEPS {
             let missing: Vec<f64> = goal.limits.iter().zip(shifts).map(|(l, s)| s - l.value(points)).collect();
             let pushing: Vec<usize> = (0..missing.len()).filter(|&c| missing[c] > 0.0).collect();
-            if pushing == before {
+            if pushing == before || !work.take(HALVINGS * missing.len() / TERMS) {
                 return;
             }
             let active: Vec<(&Limit, f64)> = pushing.iter().map(|&c| (&goal.limits[c], shifts[c])).collect();
             let mut next = points.to_vec();
-            self.gradients(&active, right, &mut next);
+            self.gradients(&active, right, &mut next, work);
             let along: Vec<DVec3> = next.iter().zip(points.iter()).map(|(n, p)| *n - *p).collect();
             let share = self.best_share(goal, &missing, right, points, &along);
             points.iter_mut().zip(&along).for_each(|(point, by)| *point += share * *by);
@@ -182,7 +186,7 @@ impl<'a> RigidCage<'a> {
     }
 
     /// The points of least energy with some limits as springs, by conjugate gradients from the points before.
-    fn gradients(&self, active: &[(&Limit, f64)], right: &[DVec3], points: &mut [DVec3]) {
+    fn gradients(&self, active: &[(&Limit, f64)], right: &[DVec3], points: &mut [DVec3], work: &WorkLimit) {
         let (right, inverse) = self.system(active, right);
         let dot = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| a.dot(*b)).sum::<f64>();
         let preconditioned = |r: &[DVec3]| r.iter().zip(&inverse).map(|(r, m)| *m * *r).collect::<Vec<_>>();
@@ -193,7 +197,8 @@ impl<'a> RigidCage<'a> {
         let mut rz = dot(&residual, &z);
         let enough = RESIDUAL * RESIDUAL * rz;
         for _ in 0..MOST_STEPS {
-            if rz <= enough || rz.is_nan() || rz <= 0.0 {
+            let terms = points.len() + self.edges.len() + 4 * active.len();
+            if rz <= enough || rz.is_nan() || rz <= 0.0 || !work.take(terms / TERMS) {
                 break;
             }
             let product = self.product(active, &along);
@@ -292,7 +297,7 @@ mod tests {
         let (mut points, mut turns) = (rest.clone(), vec![DQuat::IDENTITY; rest.len()]);
         for _ in 0..20 {
             rigid.turns(&edges, &points, &mut turns);
-            rigid.solve(&goal, &turns, &mut points);
+            rigid.solve(&goal, &turns, &mut points, &WorkLimit::default());
         }
         rigid.snap(&mut points);
         points

@@ -9,20 +9,27 @@ use glam::{DMat3, DQuat, DVec3};
 use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
+use tailor::contact::{WorkLimit, each_once};
+use tailor_mesh::meter;
 
 /// How far around a place the body counts, as a share of the diagonal of its box: about all around an arm.
 const REACH: f64 = 0.05;
 /// Share of a similarity in the map, for directions in which the body says little.
 const SIMILARITY: f64 = 0.02;
+/// Vertices around a place at most, the nearest ones.
+const MOST_AROUND: usize = 4096;
 
 /// Body vertices around places, with their weights.
 pub struct Surroundings {
     of: Vec<Vec<(usize, f64)>>,
+    /// The surroundings of each place.
+    places: Vec<usize>,
 }
 
 impl Surroundings {
-    /// The surroundings of vertices of a body, along its edges: an arm beside a hip does not count for it.
-    pub fn new(bodies: &Bodies, places: &[usize]) -> Self {
+    /// The surroundings of vertices of a body, along its edges: an arm beside a hip does not count for it. Incomplete
+    /// beyond the bound of `work`.
+    pub fn new(bodies: &Bodies, places: &[usize], work: &WorkLimit) -> Self {
         let (points, mut neighbours) = (&bodies.from, vec![Vec::new(); bodies.from.len()]);
         for &[a, b] in &bodies.edges {
             let length = points[a].distance(points[b]);
@@ -38,19 +45,23 @@ impl Surroundings {
             let longest = neighbours[place].iter().map(|n| n.1).fold(0.0, f64::max);
             let reach = least.max(2.0 * longest);
             let weigh = |(v, distance): (usize, f64)| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
-            within(&neighbours, place, reach).into_iter().map(weigh).collect()
+            within(&neighbours, place, reach, work).into_iter().map(weigh).collect()
         };
-        Self { of: places.par_iter().map(around).collect() }
+        let vertices = each_once(places.to_vec());
+        let places = places.iter().map(|place| vertices.partition_point(|v| v < place)).collect();
+        Self { of: vertices.par_iter().map(around).collect(), places }
     }
 
     /// The stretch around each place from one shape to another, in the space of the first.
     pub fn stretches(&self, from: &[DVec3], to: &[DVec3]) -> Vec<DMat3> {
-        self.of.par_iter().map(|around| stretch(around, from, to)).collect()
+        let of: Vec<DMat3> = self.of.par_iter().map(|around| stretch(around, from, to)).collect();
+        self.places.iter().map(|&place| of[place]).collect()
     }
 }
 
 /// The vertices within a reach of one along edges, with their distances (Dijkstra 1959).
-fn within(neighbours: &[Vec<(usize, f64)>], place: usize, reach: f64) -> Vec<(usize, f64)> {
+fn within(neighbours: &[Vec<(usize, f64)>], place: usize, reach: f64, work: &WorkLimit) -> Vec<(usize, f64)> {
+    meter::check();
     let (mut found, mut best) = (Vec::new(), BTreeMap::from([(place, 0.0)]));
     // The bits of distances, which are not negative, sort as the distances do.
     let mut queue = BinaryHeap::from([Reverse((0u64, place))]);
@@ -60,6 +71,9 @@ fn within(neighbours: &[Vec<(usize, f64)>], place: usize, reach: f64) -> Vec<(us
             continue;
         }
         found.push((v, distance));
+        if found.len() == MOST_AROUND || !work.take(neighbours[v].len()) {
+            break;
+        }
         for &(w, length) in &neighbours[v] {
             let further = distance + length;
             if further < reach && best.get(&w).is_none_or(|&least| further < least) {
@@ -120,7 +134,9 @@ mod tests {
         let turn = DQuat::from_axis_angle(DVec3::new(1.0, 1.0, 0.0).normalize(), 1.0);
         let to: Vec<DVec3> = to.into_iter().map(|p| turn * p + DVec3::X).collect();
         let bodies = bodies(edges, from, to);
-        let [stretch] = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[..] else {
+        let [stretch] =
+            Surroundings::new(&bodies, &[246], &WorkLimit::default()).stretches(&bodies.from, &bodies.to)[..]
+        else {
             panic!("one place has one stretch")
         };
         for (direction, wanted) in [(DVec3::X, 1.6), (DVec3::Y, 1.0), (DVec3::Z, 1.6)] {
@@ -138,7 +154,7 @@ mod tests {
         to.extend(others.iter().map(|p| *p * 3.0));
         from.extend(others.into_iter().map(|p| p + 0.6 * DVec3::X));
         let bodies = bodies(edges, from, to);
-        let stretch = Surroundings::new(&bodies, &[246]).stretches(&bodies.from, &bodies.to)[0];
+        let stretch = Surroundings::new(&bodies, &[246], &WorkLimit::default()).stretches(&bodies.from, &bodies.to)[0];
         assert!((stretch - DMat3::IDENTITY).x_axis.length() < 1e-6, "{stretch}");
     }
 }

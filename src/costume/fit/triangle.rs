@@ -94,8 +94,7 @@ fn sides([a, b, c]: [DVec3; 3]) -> [[DVec3; 2]; 3] {
 
 /// The box of points.
 pub fn aabb(points: &[DVec3]) -> Aabb {
-    let single = |p: &DVec3| Aabb { low: p.as_vec3a(), high: p.as_vec3a() };
-    points.iter().map(single).fold(Aabb::EMPTY, |all, own| all.merged(&own))
+    Aabb::of(points.iter().map(DVec3::as_vec3a))
 }
 
 #[cfg(test)]

@@ -25,9 +25,8 @@ use cloth::ClothSteps;
 use std::sync::Arc;
 use tailor::render::operator::Operator;
 use tailor::sets::{DerivedSet, ListedSet};
-use tailor_mesh::connectivity::Elements;
 use tailor_mesh::error::{Error, Warnings};
-use tailor_mesh::garment::{Garment, Mesh};
+use tailor_mesh::garment::{FaceNumbers, Garment, Mesh};
 use tailor_mesh::step::{Same, Step};
 
 /// The products of a mesh.
@@ -144,19 +143,9 @@ impl Builder {
         self.meshes.warnings()
     }
 
-    /// Warnings of its own, or of its products, with the elements of the checked mesh: they have those of the file.
-    pub fn warnings_in_mesh(&self, warnings: &Warnings) -> Warnings {
-        self.meshes.warnings_in_mesh(warnings)
-    }
-
-    /// Warnings of the checked mesh with the elements of the file, from which faces may be left out.
-    pub fn warnings_in_file(&self, warnings: Warnings) -> Warnings {
-        self.meshes.warnings_in_file(warnings)
-    }
-
-    /// Elements of the checked mesh as those of the file, from which faces may be left out.
-    pub fn in_file(&self, elements: Elements) -> Elements {
-        self.meshes.in_file(elements)
+    /// The faces of the file, which its own warnings and those of its products name, and of the checked mesh.
+    pub fn face_numbers(&self) -> &FaceNumbers {
+        self.meshes.face_numbers()
     }
 
     /// The recipe with automatic lengths replaced by multiples of the mean edge length.

@@ -16,10 +16,13 @@ const LARGEST_UV: f32 = 1e15;
 impl Primvar {
     /// Whether it can be a UV set with seams.
     pub fn is_uv_set(&self) -> bool {
+        self.interpolation == Interpolation::FaceVarying && self.has_uvs()
+    }
+
+    /// Whether its values can be UVs.
+    pub fn has_uvs(&self) -> bool {
         let is_small = |values: &Vec<f32>| values.iter().all(|value| value.abs() < LARGEST_UV);
-        self.interpolation == Interpolation::FaceVarying
-            && self.width() == 2
-            && matches!(&self.values, Values::F32(values) if is_small(values))
+        self.width() == 2 && matches!(&self.values, Values::F32(values) if is_small(values))
     }
 }
 

@@ -276,7 +276,7 @@ fn product(
     let role = if level.is_some() { Role::Render } else { Role::Sim };
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
-    let warnings = job.stage.checks.warnings_in_mesh(warnings);
+    let warnings = job.stage.checks.face_numbers().warnings_in_mesh(warnings.clone());
     let (revision, warnings) = (job.revision, warnings.iter().collect());
     let message = ProductMessage { role, revision, figures, level, warnings, operators, lengths };
     ServerMessage::Product(message).to_text().into()

@@ -25,6 +25,11 @@ impl Aabb {
     /// The box of no point.
     pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
 
+    /// The box of some points.
+    pub fn of(points: impl IntoIterator<Item = Vec3A>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |all, p| all.merged(&Self { low: p, high: p }))
+    }
+
     /// The box of both.
     pub fn merged(&self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
@@ -71,7 +76,7 @@ pub fn morton_sorted(centres: &[Vec3A]) -> Vec<usize> {
 
 /// Sorts indices of points by their Morton codes, and those of a cell that holds many by codes of their own.
 fn sort_by_morton(indices: &mut [usize], centres: &[Vec3A]) {
-    let all = indices.iter().map(|&i| centres[i]).fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }));
+    let all = Aabb::of(indices.iter().map(|&i| centres[i]));
     let scale = ((1u32 << MORTON_BITS) - 1) as f32 / all.longest_side().max(f32::MIN_POSITIVE);
     let code = |&i: &usize| {
         let cell = ((centres[i] - all.low) * scale).as_uvec3();

@@ -2,10 +2,12 @@
 //! elements, and about log n for each point, however far it is and however many elements coincide.
 
 use super::bvh::{Aabb, Bvh, morton_sorted};
+use super::pairs::{TEST, WorkLimit};
 use super::simd::WIDTH;
 use glam::{DVec3, Vec3, Vec3A};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use tailor_mesh::meter;
 
 /// Radii of all elements to which farther points are pulled in: beyond, differences between distances are lost to rounding.
 const FAR: f64 = 1e3;
@@ -58,7 +60,7 @@ impl NearestSearch {
 
     /// A search among points.
     pub fn of_points(points: &[Vec3]) -> Self {
-        let boxes: Vec<Aabb> = points.iter().map(|&p| Aabb { low: p.into(), high: p.into() }).collect();
+        let boxes: Vec<Aabb> = points.iter().map(|&p| Aabb::of([p.into()])).collect();
         Self::new(&boxes)
     }
 
@@ -66,6 +68,19 @@ impl NearestSearch {
     /// element from a point in the direction of `point`.
     pub fn nearest(&self, point: Vec3, distance: impl FnMut(usize, DVec3) -> f64) -> Option<usize> {
         self.nearest_within(point, Range::ALL, |_, _| true, distance)
+    }
+
+    /// The elements whose boxes intersect one, ascending; some of them beyond the bound of `work`.
+    pub fn intersecting(&self, aabb: &Aabb, work: &WorkLimit) -> Vec<usize> {
+        meter::check();
+        let (most, mut found) = (work.left() / TEST + 1, Vec::new());
+        self.tree.visit_while(aabb, &mut |slot| {
+            found.push(self.order[slot]);
+            found.len() < most
+        });
+        work.take(TEST * found.len());
+        found.sort_unstable();
+        found
     }
 
     /// The largest value of the elements of each node, by the height of nodes less 1.

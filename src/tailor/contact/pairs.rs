@@ -39,6 +39,11 @@ impl WorkLimit {
         self.spent.fetch_add(work, Ordering::Relaxed).saturating_add(work) <= self.most
     }
 
+    /// The work that is left.
+    pub fn left(&self) -> usize {
+        self.most.saturating_sub(self.spent())
+    }
+
     /// The work so far, with that which was left undone.
     pub fn spent(&self) -> usize {
         self.spent.load(Ordering::Relaxed)
@@ -279,7 +284,7 @@ mod tests {
         let at = |x: usize, y: usize| moved(y * (n + 1) + x, Vec3A::new(x as f32, y as f32, 0.0));
         let face = |x: usize, y: usize| {
             let corners = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
-            corners.iter().fold(Aabb::EMPTY, |all, &p| all.merged(&Aabb { low: p, high: p }))
+            Aabb::of(corners.iter().copied())
         };
         ordered(&(0..n * n).map(|i| face(i % n, i / n)).collect::<Vec<_>>())
     }

@@ -12,30 +12,41 @@ use tailor_mesh::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 /// Mean edge lengths whose squares, and ratios of squares, stay within 32 bits. \[mesh units\]
 const USABLE_LENGTHS: RangeInclusive<f32> = 1e-8..=1e8;
 
-/// Checks that the mesh is a surface to work on: faces that are drawn, with an area, in numbers that can be squared.
-pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
-    let fault = |attribute: &str, fault: String, remedy: &str| {
-        Err(Error::new(ErrorKind::Mesh, format!("{}.{attribute}", garment.prim), fault).remedy(remedy))
+/// The mean edge length of a mesh that is a surface to compute with: faces with an area, in numbers that can be squared.
+/// \[mesh units\]
+///
+/// # Errors
+/// Points in one place, or of another size, and faces without an area.
+pub fn check_extent(garment: &Mesh) -> Result<f32, Error> {
+    let fault = |fault: String, remedy: &str| {
+        Err(Error::new(ErrorKind::Mesh, format!("{}.points", garment.prim), fault).remedy(remedy))
     };
+    let mean_edge = mean_edge_length(garment);
     let mut points = garment.faces.corners().iter().map(|&v| garment.points[v]);
     let first = points.next();
     if points.all(|p| Some(p) == first) {
         let fault_text = "the edges have no length: all points are in one place";
-        return fault("points", fault_text.into(), "give the points their positions");
+        return fault(fault_text.into(), "give the points their positions");
     }
     if !USABLE_LENGTHS.contains(&mean_edge) {
         let remedy = "scale the points, and metersPerUnit with them, so that a garment measures 0.1 to 1000 units";
         let fault_text = format!("the mean edge length is {mean_edge:e}, too far from 1 to compute with");
-        return fault("points", fault_text, remedy).map_err(|error: Error| error.code(codes::MESH_SIZE));
+        return fault(fault_text, remedy).map_err(|error: Error| error.code(codes::MESH_SIZE));
     }
     if garment.faces.ids().all(|f| garment.doubled_normal(f).length() == 0.0) {
-        return fault("points", "no face has an area".into(), "give the points their positions");
+        return fault("no face has an area".into(), "give the points their positions");
     }
+    Ok(mean_edge)
+}
+
+/// Checks that faces of the mesh are drawn.
+pub fn drawn(garment: &Mesh) -> Result<(), Error> {
     let has_holes = !garment.holes.is_empty() || garment.rules.boundary == BoundaryInterpolation::None;
     if has_holes && holes(garment, &Level::base(garment)).iter().all(|&h| h) {
         let fault_text = "no face is left: all are holes, or at a border with interpolateBoundary \"none\"";
         let remedy = "take faces out of holeIndices, or set interpolateBoundary to edgeAndCorner";
-        return fault("holeIndices", fault_text.into(), remedy);
+        let place = format!("{}.holeIndices", garment.prim);
+        return Err(Error::new(ErrorKind::Mesh, place, fault_text).remedy(remedy));
     }
     Ok(())
 }

@@ -17,7 +17,7 @@ mod progress;
 mod sim;
 mod thick;
 
-pub use check::mean_edge_length;
+pub use check::{check_extent, mean_edge_length};
 pub use frame::{LocalFrame, back};
 pub use memory::MemoryEstimate;
 pub use plan::MeshPlan;
@@ -32,7 +32,6 @@ use crate::render::operator::Operator;
 use crate::sets::{DerivedSet, ListedSet, SetEvaluator};
 use sim::SimSteps;
 use std::sync::Arc;
-use tailor_mesh::connectivity::Elements;
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{FaceNumbers, Garment, Mesh, Scheme, check_garment, split_repeats};
 
@@ -106,8 +105,8 @@ impl MeshBuilder {
         let face_numbers = std::mem::take(&mut mesh.face_numbers);
         let (garment, of_check) = check_garment(mesh)?;
         warnings.extend(face_numbers.warnings_in_file(of_check));
-        let mean_edge = check::mean_edge_length(&garment);
-        check::extent(&garment, mean_edge)?;
+        let mean_edge = check_extent(&garment)?;
+        check::drawn(&garment)?;
         if garment.prim.rfind('/') == Some(0) {
             let problem = "the model is a root prim, and so are the products: a reference to the file's default prim \
                            leaves them out";
@@ -162,7 +161,7 @@ impl MeshBuilder {
     /// # Errors
     /// As [`MeshBuilder::update_render`].
     pub fn marked(&self, recipe: &MeshRecipe, warnings: &Warnings) -> Result<Option<Arc<Mesh>>, Error> {
-        let warnings = self.warnings_in_mesh(warnings);
+        let warnings = self.face_numbers.warnings_in_mesh(warnings.clone());
         let Some(garment) = marks::marked(&self.garment, &warnings) else { return Ok(None) };
         let garment = (Arc::new(garment), FaceNumbers::default());
         let mut marked = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, Warnings::default());
@@ -230,19 +229,9 @@ impl MeshBuilder {
         &self.warnings
     }
 
-    /// Warnings of its own, or of its products, with the elements of the checked mesh: they have those of the file.
-    pub fn warnings_in_mesh(&self, warnings: &Warnings) -> Warnings {
-        self.face_numbers.warnings_in_mesh(warnings.clone())
-    }
-
-    /// Warnings of the checked mesh with the elements of the file, from which faces may be left out.
-    pub fn warnings_in_file(&self, warnings: Warnings) -> Warnings {
-        self.face_numbers.warnings_in_file(warnings)
-    }
-
-    /// Elements of the checked mesh as those of the file, from which faces may be left out.
-    pub fn in_file(&self, elements: Elements) -> Elements {
-        self.face_numbers.in_file(elements)
+    /// The faces of the file, which its own warnings and those of its products name, and of the checked mesh.
+    pub fn face_numbers(&self) -> &FaceNumbers {
+        &self.face_numbers
     }
 
     /// The handle that hears of progress.

@@ -10,6 +10,9 @@ use tailor_mesh::connectivity::{EdgeId, FaceId, VertexId};
 use tailor_mesh::garment::{LeftOut, Primvar, UvSeams};
 use tailor_mesh::options::did_you_mean;
 
+/// Different calls of functions that an expression may have. Their sets are kept.
+const MOST_CALLS: usize = 200;
+
 /// A function that gives a set.
 pub struct Function {
     /// Its name.
@@ -33,6 +36,8 @@ pub struct Evaluation<'a> {
     pub functions: &'static [Function],
     /// Alternatives of the garment for what was not found.
     pub notes: RefCell<Vec<String>>,
+    /// The sets of calls so far, by their texts: equal ones are evaluated once.
+    pub known: RefCell<BTreeMap<String, ElementSet>>,
 }
 
 /// The arguments of a function.
@@ -102,13 +107,24 @@ impl<'a> Evaluation<'a> {
     }
 
     fn call(&self, name: &str, given: &[Argument]) -> Result<ElementSet, SetFault> {
+        let text = format!("{name}{given:?}");
+        if let Some(set) = self.known.borrow().get(&text) {
+            return Ok(set.clone());
+        }
         let function = self.function(name).ok_or_else(|| self.unknown(name))?;
         let [least, most] = function.arguments;
         if !(least..=most).contains(&given.len()) {
             let text = format!("{name} has {} arguments", given.len());
             return Err(SetFault::new(text, format!("write {}", function.usage)));
         }
-        (function.evaluate)(self, &Arguments { function, given })
+        let set = (function.evaluate)(self, &Arguments { function, given })?;
+        let mut known = self.known.borrow_mut();
+        if known.len() == MOST_CALLS {
+            let text = format!("the expression has more than {MOST_CALLS} different calls of functions");
+            return Err(SetFault::new(text, "write parts of it as subsets by `usdtailor sets --bake`, and name these"));
+        }
+        known.insert(text, set.clone());
+        Ok(set)
     }
 
     fn unknown(&self, name: &str) -> SetFault {

@@ -107,6 +107,6 @@ impl<'a> SetEvaluator<'a> {
     }
 
     fn evaluation(&self) -> Evaluation<'_> {
-        Evaluation { sets: self, functions: FUNCTIONS, notes: RefCell::default() }
+        Evaluation { sets: self, functions: FUNCTIONS, notes: RefCell::default(), known: RefCell::default() }
     }
 }

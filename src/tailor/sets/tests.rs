@@ -199,3 +199,17 @@ fn a_primvar_with_a_fault_is_told_where_it_is_named() {
         assert!(code == tailor_mesh::codes::VALUE_COUNT && text.contains("primvars:pin holds 7 values"), "{text}");
     }
 }
+
+#[test]
+fn equal_terms_are_evaluated_once_and_different_ones_are_bounded() {
+    let garment = garment();
+    let sets = SetEvaluator::new(&garment, "st");
+    let evaluation = sets.evaluation();
+    let same = vec!["loops(borders)"; 6000].join("+");
+    evaluation.evaluate(&Expression::parse(&same).expect("an expression")).expect("edges");
+    assert_eq!(evaluation.known.borrow().len(), 2, "borders and their loops");
+    let others: Vec<String> = (0..300).map(|i| format!("weight(pin, {})", f64::from(i) / 1000.0)).collect();
+    let fault = sets.evaluate(&others.join("+")).expect_err("too many");
+    assert!(fault.text.contains("more than 200 different calls") && fault.remedy.contains("--bake"));
+    assert!(sets.evaluate(&others[..150].join("+")).is_ok());
+}

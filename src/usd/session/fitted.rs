@@ -111,7 +111,7 @@ fn fitted(builder: &Builder, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted,
     let BodyOptions { rigid, keep_length, .. } = &recipe.fit;
     let options = fit_options(builder, &recipe, ("fit.rigid", rigid), ("fit.keepLength", keep_length))?;
     let fitted = fit(builder.garment(), bodies, &options)?;
-    Ok(Fitted { warnings: builder.warnings_in_file(fitted.warnings), ..fitted })
+    Ok(Fitted { warnings: builder.face_numbers().warnings_in_file(fitted.warnings), ..fitted })
 }
 
 /// A body, whose faults are those of the option that names it.

@@ -224,11 +224,16 @@ fn missing(prim: &Prim, name: &str) -> Error {
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
-    if let Some(pose) = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten()) {
-        return Ok(pose);
+    let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
+    let points = match pose {
+        Some(pose) => Some(pose),
+        None => vectors(prim, points_name(prim)?, None)?,
+    };
+    let points = points.ok_or_else(|| unbound(format!("{} has no points without a time", prim.path())))?;
+    match points.iter().position(|point| !point.is_finite()) {
+        Some(at) => Err(unbound(format!("point {at} of {} is not finite", prim.path()))),
+        None => Ok(points),
     }
-    let points = vectors(prim, points_name(prim)?, None)?;
-    points.ok_or_else(|| unbound(format!("{} has no points without a time", prim.path())))
 }
 
 fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {

@@ -32,6 +32,15 @@ fn each_is_told(faults: &[Fault]) {
 }
 
 #[test]
+fn of_a_lone_mesh_among_all() {
+    let broken = |folder: &Folder| {
+        folder.file("in.usda", cloth_with("faceVertexIndices = [0, 1, 4", "faceVertexIndices = [0, 1, -1"));
+    };
+    let says = &["/Coat/model.faceVertexIndices", "corner 2 of face 0 names point -1"];
+    super::each_is_told(&[fault("build in.usda -o out/coat.usda --all", broken, says)]);
+}
+
+#[test]
 fn of_points_and_faces() {
     const POINTS: &str = "/Coat/model.points";
     const COUNTS: &str = "/Coat/model.faceVertexCounts";

@@ -148,10 +148,10 @@ fn of_a_full_disk() {
     let folder = Folder::new();
     cloth(&folder);
     let before = folder.snapshot();
-    for output in ["out/coat.usda", "out/coat.usdc", "out/coat.usdz"] {
-        // Without the trap the signal would end the command before it could say a word.
+    for (output, trap) in [("out/coat.usda", "trap '' XFSZ; "), ("out/coat.usdc", ""), ("out/coat.usdz", "")] {
+        // The signal of a limit ends nothing before the command has said a word.
         let run = folder.run_in_shell(
-            "trap '' XFSZ; ulimit -f 1; exec \"$@\"",
+            &format!("{trap}ulimit -f 1; exec \"$@\""),
             &format!("build in.usda -o {output} --flatten --set render.level=3"),
         );
         super::check(&run, &[&format!("cannot write {output}"), "space on its disk"]);

@@ -13,7 +13,7 @@ mod flatten;
 mod stretch;
 
 use super::options::RestShape;
-use super::surface::{Surface, area, shares_uvs};
+use super::surface::{Surface, area, shares_uvs, twins};
 use crate::codes;
 use flatten::{Panel, Seam, flatten};
 use glam::{DMat2, DVec2, Vec3};
@@ -214,13 +214,8 @@ impl<'a> Shells<'a> {
     fn seams(&self, free: &Rest) -> BTreeMap<CornerId, f64> {
         let topology = &self.surface.topology;
         let mut lengths = BTreeMap::new();
-        for corner in topology.faces.corners().ids() {
-            let Some(twin) = topology
-                .twin(corner)
-                .filter(|&twin| corner < twin && !shares_uvs(self.product, &topology.faces, corner, twin))
-            else {
-                continue;
-            };
+        let is_seam = |&[corner, twin]: &[CornerId; 2]| !shares_uvs(self.product, &topology.faces, corner, twin);
+        for [corner, twin] in twins(topology).filter(is_seam) {
             let pattern = [corner, twin].map(|c| self.is_pattern(self.surface.shells[c.index() / 3] as usize));
             let [a, b] = [corner, twin].map(|c| free.length(c));
             let common = match pattern {
@@ -272,11 +267,7 @@ impl<'a> Shells<'a> {
 
     fn flat_seams(&self, rest: &Rest) -> Vec<[FaceId; 2]> {
         let topology = &self.surface.topology;
-        let faces = |corner: CornerId| {
-            let twin = topology.twin(corner).filter(|&twin| corner < twin)?;
-            Some([corner, twin].map(|c| topology.faces.face_of(c)))
-        };
-        let pairs = topology.faces.corners().ids().filter_map(faces);
+        let pairs = twins(topology).map(|pair| pair.map(|corner| topology.faces.face_of(corner)));
         pairs.filter(|[a, b]| rest.is_flat[a.index()] != rest.is_flat[b.index()]).collect()
     }
 

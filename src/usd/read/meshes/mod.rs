@@ -88,11 +88,12 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     if options.all {
         trims::take(&stage, &mut sources)?;
     }
-    let seams = match sources.len() {
-        1 => Seams { garments: vec![vec![0]], ..Seams::default() },
-        _ => seams(&sources, tolerance)?,
-    };
     sources[0].warnings.extend(left_out);
+    // Nothing lies on a lone mesh, whose faults are those of its check.
+    if sources.len() == 1 {
+        return Ok(sources);
+    }
+    let seams = seams(&sources, tolerance)?;
     for unsewn in &seams.unsewn {
         let warning = unsewn_borders(unsewn, &sources, tolerance);
         sources[unsewn.panels[0]].warnings.push(warning);
