@@ -219,17 +219,15 @@ fn unbound(text: String) -> Error {
 }
 
 fn missing(prim: &Prim, name: &str) -> Error {
-    unbound(format!("{}.{name} is missing", prim.path()))
+    unbound(format!("{} has no {name}", prim.path()))
 }
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
-    let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
-    let points = match pose {
-        Some(pose) => Some(pose),
-        None => vectors(prim, points_name(prim)?, None)?,
+    let points = match pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten()) {
+        Some(pose) => pose,
+        None => vectors(prim, points_name(prim)?, None)?.ok_or_else(|| missing(prim, "points without a time"))?,
     };
-    let points = points.ok_or_else(|| unbound(format!("{} has no points without a time", prim.path())))?;
     match points.iter().position(|point| !point.is_finite()) {
         Some(at) => Err(unbound(format!("point {at} of {} is not finite", prim.path()))),
         None => Ok(points),
