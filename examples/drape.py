@@ -117,8 +117,9 @@ def simulate(file, cache, frames, fps, substeps=10, iterations=12):
     stage.SetStartTimeCode(1), stage.SetEndTimeCode(frames)
     # A layer over the garment: its points are in the space of the simulation mesh.
     mesh = UsdGeom.Mesh(stage.OverridePrim(prim.GetPath()))
-    for name in ("faceVertexCounts", "faceVertexIndices"):
-        mesh.GetPrim().GetAttribute(name).Set(prim.GetAttribute(name).Get())
+    mesh.CreateFaceVertexCountsAttr(prim.GetAttribute("faceVertexCounts").Get())
+    mesh.CreateFaceVertexIndicesAttr(prim.GetAttribute("faceVertexIndices").Get())
+    animated = mesh.CreatePointsAttr()
     inverse = np.linalg.inv(matrix)
     count = len(prim.GetAttribute("points").Get())
     start = time.time()
@@ -127,7 +128,7 @@ def simulate(file, cache, frames, fps, substeps=10, iterations=12):
         if not np.isfinite(points).all():
             sys.exit(f"frame {frame} is not finite")
         local = points @ inverse[:3, :3] + inverse[3, :3]
-        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(local.astype(np.float32)), frame)
+        animated.Set(Vt.Vec3fArray.FromNumpy(local.astype(np.float32)), frame)
         for _ in range(substeps if frame < frames else 0):
             states[0].clear_forces()
             pipeline.collide(states[0], contacts)
