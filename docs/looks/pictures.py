@@ -203,6 +203,18 @@ def hem_ends():
     }
 
 
+def seams_under_hems():
+    def tile(view, height):
+        garment = cages.sheet(bend=0.6).patch("hem", lambda x, y: y < 1).line("seam", (4, 0), (4, 8))
+        x, y, z = garment.points[garment.at(4, 0)]
+        options = ["fold.h.faces=hem", "fold.h.thickness=0.12", *stitch("seam", width=0.3, normalOffset=height)]
+        return Tile(garment, options, (x, y + 0.3, z, 0.8), view)
+    return {
+        "a groove runs to a hem": tile("10,-15", -0.08), "from inside": tile("190,-20", -0.08),
+        "a ridge runs to a hem": tile("10,-15", 0.08), "a ridge, from inside": tile("190,-20", 0.08),
+    }
+
+
 def lines(garment, radius, width=0.42, view="-20,35", **seams):
     """A sheet with seams, each a height and the places along it."""
     options = []
@@ -325,8 +337,8 @@ def rows():
 PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": painted, "docs/physics/panels": panels}
 SCENES = {"rims_hem_ends": hem_ends, "rims_short_seams": short_seams, "rims_crossings": crossings,
           "rims_bent_faces": bent_faces, "seams_rows": rows}
-COMPARED = {"folds": folds, "seams_collar": collar, "seams_pocket": pocket, "seams_roof": roof, "seams_coat": sewn_close,
-            "seams_crossing": crossing, "seams_uneven": uneven}
+COMPARED = {"folds": folds, "seams_collar": collar, "seams_hem": seams_under_hems, "seams_pocket": pocket, "seams_roof": roof,
+            "seams_coat": sewn_close, "seams_crossing": crossing, "seams_uneven": uneven}
 
 
 def sheet(tiles, program, older=None):

@@ -135,10 +135,10 @@ const BELOW: [(&str, &str, f64); 7] = [
     ("closed_pockets.usdc", "panel06", 0.9591),
     // About one triangle wide.
     ("narrow_sets.usdc", "panel02", 0.9533),
-    ("narrow_sets.usdc", "placket", 0.8426),
+    ("narrow_sets.usdc", "placket", 0.8314),
     ("narrow_sets.usdc", "stripe", 0.8479),
     // Two or three triangles, less than a hundredth of the garment.
-    ("tiny_shells.usdc", "panel", 0.6259),
+    ("tiny_shells.usdc", "panel", 0.5328),
 ];
 
 /// Area that whole triangles may leave on the wrong side of a border, for each edge length of it, in squares of that length.
