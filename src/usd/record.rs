@@ -46,8 +46,6 @@ const KEYWORDS: &[&str] = &[
     "variantSet",
     "varying",
 ];
-/// The field of an animation by curves.
-const SPLINE: &str = "spline";
 /// Why no product has one.
 pub const NO_SPLINE: &str = "its animation is a spline, and only values at times are copied";
 
@@ -144,9 +142,7 @@ impl Record {
                 samples,
                 connections: attribute.connections()?,
             },
-            has_spline: sites
-                .iter()
-                .any(|site| stage.layer(&site.layer).is_some_and(|layer| layer.data().has_field(&site.path, SPLINE))),
+            has_spline: sites.iter().any(|site| states(stage, site, &["spline"])),
         })
     }
 
@@ -244,7 +240,7 @@ pub fn metadata(stage: &Stage, path: &Path, sites: &[SpecSite]) -> openusd::Resu
         }
     }
     keys.retain(|key| !is_children(key) && !NOT_METADATA.iter().any(|k| k.as_str() == key));
-    keys.retain(|key| key != SPLINE && !KEYWORDS.contains(&key.as_str()));
+    keys.retain(|key| key != "spline" && !KEYWORDS.contains(&key.as_str()));
     let mut fields = Vec::with_capacity(keys.len());
     for key in keys {
         if let Some(value) = stage.field::<Value>(path, &key)? {
@@ -252,6 +248,11 @@ pub fn metadata(stage: &Stage, path: &Path, sites: &[SpecSite]) -> openusd::Resu
         }
     }
     Ok(fields)
+}
+
+/// Whether a layer states one of some fields of a property.
+pub fn states(stage: &Stage, site: &SpecSite, keys: &[&str]) -> bool {
+    stage.layer(&site.layer).is_some_and(|layer| keys.iter().any(|key| layer.data().has_field(&site.path, key)))
 }
 
 /// Whether a field lists the specs below one.
@@ -263,10 +264,7 @@ pub fn is_children(key: &str) -> bool {
 /// The value without a time; a block is kept as such.
 fn default(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<Value>> {
     let stage = attribute.stage();
-    let stated = sites.iter().any(|site| {
-        stage.layer(&site.layer).is_some_and(|l| l.data().has_field(&site.path, FieldKey::Default.as_str()))
-    });
-    if !stated {
+    if !sites.iter().any(|site| states(stage, site, &["default"])) {
         return Ok(None);
     }
     Ok(Some(attribute.get::<Value>()?.map_or(Value::ValueBlock, |v| resolved(v, stage, sites))))

@@ -52,7 +52,8 @@ def sewn(source, name="sewn.usda", operators=(), **instances):
             if key == sets:
                 prim.CreateRelationship(space + key, False).SetTargets([MODEL.AppendChild(target) for target in value])
             else:
-                prim.CreateAttribute(space + key, TOKEN if isinstance(value, str) else FLOAT, False, Sdf.VariabilityUniform).Set(value)
+                kind = {str: TOKEN, bool: Sdf.ValueTypeNames.Bool}.get(type(value), FLOAT)
+                prim.CreateAttribute(space + key, kind, False, Sdf.VariabilityUniform).Set(value)
     prim.CreateAttribute("tailor:render:faceSets", Sdf.ValueTypeNames.Bool, False).Set(True)
     if operators:
         prim.CreateAttribute("tailor:render:operators", Sdf.ValueTypeNames.TokenArray, False).Set(operators)
@@ -164,10 +165,14 @@ def groove_of_second_layer(render):
 
 
 def test_operators_run_in_their_order(build, tmp_path):
-    """A hem over a seam has the groove on both layers; a seam over a hem on the face that it was marked on, and around."""
+    """A hem over a seam has the groove on both layers; a seam over a hem on the face that it was marked on, and around if it goes through."""
     source, made = garment(tmp_path), {}
-    for stem, operators in (("seam_first", ["placket", "hem"]), ("hem_first", ["hem", "placket"]), ("default", [])):
-        shallow = {**PLACKET, "normalOffset": -0.02}
+    after = ["hem", "placket"]
+    for stem, operators, options in (
+        ("seam_first", ["placket", "hem"], {}), ("hem_first", after, {}), ("default", [], {}),
+        ("through", after, {"through": True}), ("without", after, {"normalOffset": 0.0}),
+    ):
+        shallow = {**PLACKET, "normalOffset": -0.02, **options}
         product = build(sewn(source, f"{stem}.usda", operators, placket=shallow, hem=HEM), stem=f"{stem}_built")
         # Where the layers meet at the end of the hem, a groove has no room.
         assert set(codes(product)) <= (set() if stem == "seam_first" else {"shallow-seam"})
@@ -178,8 +183,9 @@ def test_operators_run_in_their_order(build, tmp_path):
     depths = {stem: groove_of_second_layer(render) for stem, render in made.items()}
     # Points of the cage go further than the limit surface, which is at 0.02.
     assert -0.026 < np.median(depths["seam_first"]) < -0.018, "the groove of the first layer goes on in the second"
+    assert np.abs(depths["hem_first"] - depths["without"]).max() < 0.004, "the hem covers the groove"
     # A seam that is made last tapers to the end of the layer, so that only its deepest point counts.
-    assert 0.008 < depths["hem_first"].max() < 0.026, "the second layer has a groove on its own outside"
+    assert 0.008 < depths["through"].max() < 0.026, "the second layer has a groove on its own outside"
 
 
 def test_what_the_order_does_not_name_is_told(build, usdtailor, tmp_path):

@@ -180,7 +180,7 @@ SKIRT = EXAMPLES / "trims/skirt.usda"
 
 def test_the_skirt_has_its_trims_and_looks_in_every_size(usdtailor, tmp_path):
     out = tmp_path / "skirt.usdc"
-    done = good(usdtailor, "build", SKIRT, "-o", out, "--variants", "size", "--set", "render.level=1", "--strict")
+    done = good(usdtailor, "build", SKIRT, "-o", out, "--variants", "size", "--set", "render.level=1", "--set", "sim.minEdgeLength=1.6", "--set", "sim.maxEdgeLength=1.6", "--strict")
     assert "warning" not in done.stderr
     stage = Usd.Stage.Open(str(out))
     root, seen = stage.GetDefaultPrim(), set()

@@ -3,6 +3,7 @@
 use super::query::{OrUnreadable, prim_at, property_names, subset_prims, with_ancestors};
 use crate::codes;
 use crate::names;
+use crate::record::states;
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
 use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
@@ -141,11 +142,12 @@ pub fn frozen(mesh: &Prim, sets: &[VariantSet], built: &[Selection]) -> Result<W
     for Selection { set, choice, .. } in built {
         let is_of_variant = |site: &SpecSite| site.path.as_str().contains(&format!("{{{set}={choice}}}"));
         for name in property_names(mesh)? {
-            let sites = mesh.attribute(name.as_str()).property_stack().or_unreadable(mesh.path())?;
+            let mut sites = mesh.attribute(name.as_str()).property_stack().or_unreadable(mesh.path())?;
+            sites.retain(|site| states(mesh.stage(), site, &["default", "timeSamples"]));
             if let Some(first) = sites.iter().position(is_of_variant).filter(|&first| first > 0).map(|_| &sites[0]) {
                 let why = format!("{set}={choice} has it, and what {} says is stronger", first.layer);
-                let warning = Warning::not_carried(format!("{}.{name}", mesh.path()), why);
-                warnings.push(warning.remedy("Remove it in that layer, or build the layer that has the variants"));
+                let remedy = "Remove it in that layer, or build the layer that has the variants";
+                warnings.push(Warning::not_carried(format!("{}.{name}", mesh.path()), why).remedy(remedy));
             }
         }
     }
