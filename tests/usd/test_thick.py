@@ -57,15 +57,19 @@ def test_a_closed_shell_is_told_with_its_thickness(usdtailor, tmp_path, thicknes
     assert abs(told - thickness) < 0.1 * thickness and "without thickness" in done.stderr
 
 
-def test_the_faces_of_the_shell_are_named_and_others_are_not(usdtailor, tmp_path):
+@pytest.mark.parametrize("left_out", [0, 1])
+def test_the_faces_of_the_shell_are_named_and_others_are_not(usdtailor, tmp_path, left_out):
+    """By their numbers in the file, also after a face that is left out."""
     points, faces = shell(0.05)
+    first = len(points)
     sheet = [(x, 9 + y, 5) for y in range(4) for x in range(4)]
     own = [[4 * y + x, 4 * y + x + 1, 4 * y + x + 5, 4 * y + x + 4] for y in range(3) for x in range(3)]
-    source = write(tmp_path / "in.usda", points + sheet, faces + [[len(points) + v for v in face] for face in own])
+    own = [[first + v for v in face] for face in own]
+    source = write(tmp_path / "in.usda", points + sheet, [[first, first + 1, first]] * left_out + faces + own)
     good(usdtailor, "build", source, "-o", tmp_path / "out.usdc", "--report", tmp_path / "report.json")
     warnings = json.loads((tmp_path / "report.json").read_text())["warnings"]
     [warning] = [warning for warning in warnings if warning["code"] == "thick-cloth"]
-    assert sorted(warning["elements"]["faces"]) == list(range(len(faces)))
+    assert sorted(warning["elements"]["faces"]) == list(range(left_out, left_out + len(faces)))
 
 
 @pytest.mark.parametrize("made", [shell(0.05, closed=False), ball(), tube(2, 16, 8, 8)], ids=["two sheets", "a drum", "a tube"])

@@ -119,7 +119,8 @@ impl MeshBuilder {
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
         let frame = LocalFrame::of(&garment);
-        warnings.extend(frame.check(&garment, mean_edge)?.into_iter().chain(thick::thick_cloth(&garment)));
+        let of_mesh = frame.check(&garment, mean_edge)?.into_iter().chain(thick::thick_cloth(&garment));
+        warnings.extend(face_numbers.warnings_in_file(of_mesh.collect()));
         Ok(Self::in_frame(frame, (Arc::new(garment), face_numbers), mean_edge, warnings))
     }
 

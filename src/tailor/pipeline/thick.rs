@@ -19,13 +19,14 @@ pub fn thick_cloth(garment: &Mesh) -> Option<Warning> {
     }
     let mut pieces = BTreeMap::<FaceId, Vec<FaceId>>::new();
     t.faces.ids().for_each(|face| pieces.entry(groups.first(face)).or_default().push(face));
-    pieces.retain(|_, faces| thickness(garment, &t, faces).is_some());
-    let thickness = pieces.values().filter_map(|faces| thickness(garment, &t, faces)).reduce(f64::max)?;
+    let pieces = pieces.into_values().filter_map(|faces| Some((thickness(garment, &t, &faces)?, faces)));
+    let (thicknesses, faces): (Vec<f64>, Vec<Vec<FaceId>>) = pieces.unzip();
+    let thickness = thicknesses.into_iter().reduce(f64::max)?;
     let problem = format!(
         "closed pieces of it are at most {thickness:.3} mesh units thick: both sides become cloth, with twice its mass"
     );
     let remedy = "Export one side without thickness, as CLO does with Thin and Blender without Solidify; the fabric has a thickness";
-    let faces = Elements::Faces(pieces.into_values().flatten().collect());
+    let faces = Elements::Faces(faces.into_iter().flatten().collect());
     Some(Warning::new(codes::THICK_CLOTH, &garment.prim, problem).at(faces).remedy(remedy))
 }
 

@@ -84,9 +84,11 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         meter::check();
         sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);
     }
-    check_panels(&mut sources)?;
-    if options.all {
-        trims::take(&stage, &mut sources)?;
+    if sources.len() > 1 {
+        check_panels(&mut sources)?;
+        if options.all {
+            trims::take(&stage, &mut sources)?;
+        }
     }
     sources[0].warnings.extend(left_out);
     // Nothing lies on a lone mesh, whose faults are those of its check.
@@ -103,14 +105,10 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
 
 /// Checks meshes before they are trims or parts of others, as faults name the elements of the mesh itself.
 fn check_panels(sources: &mut [Source]) -> Result<(), Error> {
-    let is_lone = sources.len() == 1;
     for source in sources {
         let mesh = source.garment.as_mut().map_err(|fault| fault.clone())?;
         let (checked, _) = check_garment(mesh.clone())?;
-        // A lone mesh is checked again, with the warnings of what it leaves out.
-        if !is_lone {
-            mesh.leave_out(&checked);
-        }
+        mesh.leave_out(&checked);
     }
     Ok(())
 }
