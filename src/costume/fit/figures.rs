@@ -79,7 +79,7 @@ pub(super) struct Ending<'a> {
     pub points: Vec<DVec3>,
     pub bound: BoundPoints<'a>,
     pub crossings: CrossingFaces,
-    /// That of its searches.
+    /// The work of its searches.
     pub work: WorkLimit,
 }
 

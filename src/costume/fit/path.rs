@@ -38,8 +38,9 @@ pub struct Path<'a> {
     pub bound: BoundPoints<'a>,
     pub clearance: Clearance<'a>,
     surroundings: Surroundings,
-    /// That of the searches at the start, and that of all after it.
+    /// The work of the searches at the start.
     pub start: WorkLimit,
+    /// The work of the steps.
     pub work: WorkLimit,
     rigid: RigidCage<'a>,
     /// What crossed in the last try of a step.

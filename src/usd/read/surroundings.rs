@@ -1,4 +1,4 @@
-//! What is around a model: the prims beside it, and what the stage repeats and names.
+//! The surroundings of a model: the prims beside it, PointInstancers that repeat it, and collections that name it.
 
 use super::bindings::{Naming, namings};
 use super::choose::{Repeated, prototypes};
@@ -28,7 +28,7 @@ pub struct Sibling {
 /// The prims beside a model, by name.
 pub type Siblings = BTreeMap<String, Sibling>;
 
-/// What models of one stage share.
+/// The surroundings that the models of one stage share.
 #[derive(Default)]
 pub struct KnownSurroundings {
     /// The prims below parents without products, with the models among them.

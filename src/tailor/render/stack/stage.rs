@@ -235,7 +235,7 @@ fn connectivity(
     step.get(Same::from(level), |level| Ok(Arc::new(Connectivity::new(Arc::clone(&level.0)))))
 }
 
-/// What the elements of a product have from those of its start.
+/// The input vertices, the source faces and the covering faces of a product.
 type Carried = (Arc<InputVertices>, Arc<SourceFaces>, Arc<Covers>);
 
 /// The cached steps of a stage.

@@ -50,7 +50,7 @@ pub struct Naming {
     targets: Vec<Path>,
 }
 
-/// What names prims of a stage for anything but materials, which products follow by themselves.
+/// The collections and collision filters of a stage, without the collections of materials: products follow those by themselves.
 ///
 /// # Errors
 /// A stage of too many prims.
