@@ -37,3 +37,8 @@ def meshes(path):
 def sim_points(path):
     stage = Usd.Stage.Open(str(path))
     return numpy.array(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())
+
+
+def warnings(product):
+    """The codes and messages of the warnings in a product's report."""
+    return [(warning["code"], warning["message"]) for warning in product.report["warnings"]]

@@ -256,3 +256,8 @@ def define_mesh(stage, path, points, faces):
     mesh.CreateFaceVertexIndicesAttr(Vt.IntArray([int(v) for face in faces for v in face]))
     mesh.CreateSubdivisionSchemeAttr("none")
     return mesh
+
+
+def faulty(change):
+    """A writer of a sheet that `change` edits."""
+    return lambda path: write(path, shape=sheet, seam_column=2, finish=change)

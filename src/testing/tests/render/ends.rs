@@ -7,7 +7,7 @@ use crate::operators::rendered;
 use glam::{Quat, Vec3};
 use std::collections::BTreeSet;
 use tailor::codes;
-use tailor_mesh::connectivity::{IdVec, Topology, VertexId};
+use tailor_mesh::connectivity::{Topology, VertexId};
 use tailor_mesh::garment::{Garment, Mesh};
 use tailor_testing::sheets::with_edges;
 
@@ -380,49 +380,6 @@ fn a_hem_that_other_cloth_cuts_short_closes() {
     let end = hem.iter().map(|&v| places[v]).fold(Vec3::ZERO, |end, p| if p.x > end.x { p } else { end });
     let (_, off) = beside_end(&mesh, &surface, end);
     assert!(end.x > 1.5 && off < 0.15, "at {end} the border is {off} of the amount off the surface");
-}
-
-/// Limits of a bent sheet of 8 by 8 with a hem along its lower border and a seam down to it, and the vertices of the hem's layer.
-fn hemmed(options: &[&str]) -> (Mesh, IdVec<VertexId, Vec3>, BTreeSet<VertexId>) {
-    let mut input = sheet(8);
-    for p in &mut input.points {
-        let a = 0.6 * (p.x / 8.0 - 0.5);
-        *p = Vec3::new(8.0 / 0.6 * a.sin(), p.y, 8.0 / 0.6 * a.cos());
-    }
-    let column: Vec<i32> = (0..=8).map(|y| 9 * y + 4).collect();
-    let garment = checked(with_faces(with_edges(input, "seam", &path(&column)), "hem", 0..8));
-    let amount = format!("fold.h.thickness={AMOUNT}");
-    let fold = ["fold.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
-    let (mesh, _) = rendered(&garment, &[&fold, options].concat());
-    let (places, layer) = (limit(&mesh), &vertices_of(&mesh, "h_inner") | &vertices_of(&mesh, "h_hem"));
-    (mesh, places, layer)
-}
-
-#[test]
-fn hems_cover_the_seams_and_rows_that_cross_them() {
-    for (height, rows) in [(-0.06, "0"), (0.06, "0"), (-0.06, "0.6"), (0.06, "0.6")] {
-        let offset = format!("seam.s.offset={rows}");
-        let seam = |height: f32, through: bool| {
-            let own = [format!("seam.s.normalOffset={height}"), format!("seam.s.through={through}")];
-            hemmed(&["seam.s.edges=seam", "seam.s.width=0.4", &offset, &own[0], &own[1]])
-        };
-        let ((_, plain, layer), (_, covered, _), (_, through, _)) =
-            (seam(0.0, false), seam(height, false), seam(height, true));
-        let moved = |of: &IdVec<VertexId, Vec3>, v: VertexId| of[v].distance(plain[v]) / height.abs();
-        let most = |of: &IdVec<VertexId, Vec3>, among: &dyn Fn(VertexId) -> bool| {
-            plain.ids().filter(|&v| among(v)).map(|v| moved(of, v)).fold(0.0, f32::max)
-        };
-        let name = format!("height {height}, rows at {rows}");
-        let on_layer = |v: VertexId| layer.contains(&v);
-        let inside = |v: VertexId| layer.contains(&v) && plain[v].y > 0.5 * AMOUNT;
-        let (inside, rim) = (most(&covered, &inside), most(&covered, &on_layer));
-        assert!(inside < 0.02 && rim < 0.25, "{name}: the layer moves by {inside}, its rim by {rim}");
-        assert!(most(&through, &on_layer) > 0.5, "{name}: nothing goes through");
-        // Above the hem's thickness, the seam is what it is without.
-        let above = |v: VertexId| !layer.contains(&v) && plain[v].y > 1.5 * AMOUNT && plain[v].y < 4.0;
-        let crest = |from: f32| most(&covered, &|v| above(v) && (plain[v].y - from).abs() < 0.05);
-        assert!(crest(1.7 * AMOUNT) > 0.8 && crest(3.0) > 0.9, "{name}: {} and {}", crest(1.7 * AMOUNT), crest(3.0));
-    }
 }
 
 /// A surface of revolution about z of `n` by 8 quads, with a seam around it and a hem at its end.
