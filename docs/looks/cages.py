@@ -209,11 +209,12 @@ def button():
 
 # ------------------------------------------------------------------------------- sheets
 
-def sheet(n=8, bend=0.0, kink=0.0, uneven=0.0):
-    """A sheet of `n` by `n`, bent about y; beyond the middle its lower border turns by `kink` degrees, and `uneven`
-    moves the points along it."""
+def sheet(n=8, bend=0.0, kink=0.0, uneven=0.0, skew=0.0):
+    """A sheet of `n` by `n`, bent about y; beyond the middle its lower border turns by `kink` degrees, `uneven` moves the
+    points along it, and `skew` leans its columns by degrees."""
     def place(x, y):
         fade = 1 - y / n
+        x += y * np.tan(np.radians(skew))
         x += uneven * 0.3 * np.sin(5.3 * x + 1.7 * y)
         y += uneven * 0.36 * np.sin(4.1 * x + 2.9 * y)
         if x > n / 2:

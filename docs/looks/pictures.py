@@ -7,7 +7,7 @@ Pictures that compare with an older program are drawn only with it. Wires of clo
 surface is refined further for the picture. Needs usd-core, numpy and Pillow."""
 import argparse
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -244,6 +244,26 @@ def crossings():
     }
 
 
+def ends():
+    def tile(end, height=0.12, offset=0.0):
+        garment = cages.sheet().line("a", (2, 4), (5, 4))
+        options = stitch("a", width=0.42, normalOffset=height, end=end)
+        if offset:
+            garment.line("b", (2, 4), (5, 4))
+            options += stitch("b", width=0.2, normalOffset=-0.05, end=end, offset=offset)
+        return Tile(garment, options, (4.8, 4, 0, 1.3), "-20,40", key=(-0.5, 0.3, 0.9))
+    kinds = "taper", "round", "square"
+    return {**{end: tile(end) for end in kinds}, **{f"{end}, a groove with a row": tile(end, -0.12, 0.5) for end in kinds}}
+
+
+def skewed():
+    def tile(skew):
+        garment = cages.sheet(skew=skew)
+        x = 4 + 4 * np.tan(np.radians(skew))
+        return replace(lines(garment, 2.2, 0.4, "-20,40", a=(0.12, (0, 4), (8, 4)), b=(0.12, (4, 0), (4, 8))), focus=(x, 4, 0, 2.2))
+    return {f"faces skewed by {skew} degrees": tile(skew) for skew in (0, 45, 60, 70)}
+
+
 def bent_faces():
     def tile(around, view, flare=0.0, faces=99):
         garment = cages.tube(around, 3, flare=flare).patch("hem", lambda x, y: y < 1 and (x + 1) % around < faces)
@@ -336,9 +356,9 @@ def rows():
 
 PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": painted, "docs/physics/panels": panels}
 SCENES = {"rims_hem_ends": hem_ends, "rims_short_seams": short_seams, "rims_crossings": crossings,
-          "rims_bent_faces": bent_faces, "seams_rows": rows}
+          "rims_bent_faces": bent_faces, "seams_rows": rows, "seams_ends": ends}
 COMPARED = {"folds": folds, "seams_collar": collar, "seams_hem": seams_under_hems, "seams_pocket": pocket, "seams_roof": roof,
-            "seams_coat": sewn_close, "seams_crossing": crossing, "seams_uneven": uneven}
+            "seams_coat": sewn_close, "seams_crossing": crossing, "seams_uneven": uneven, "seams_skewed": skewed}
 
 
 def sheet(tiles, program, older=None):

@@ -86,7 +86,7 @@ pub use pipeline::{
     DEFAULT_MAX_FACES, MemoryEstimate, MeshBuilder, MeshPlan, Meshes, Progress, RenderUpdate, SimUpdate, Timing, build,
 };
 pub use recipe::MeshRecipe;
-pub use render::{FoldOptions, RenderOptions, RowSide, SeamOptions, Side};
+pub use render::{FoldOptions, RenderOptions, RowSide, SeamEnd, SeamOptions, Side};
 pub use sim::{Relaxation, SimOptions};
 pub use tailor_mesh::error::{self, Error, ErrorKind, Warning};
 pub use tailor_mesh::{

@@ -123,7 +123,7 @@ test("a preset is one step, is drawn in the menu, and is named until a value dif
 });
 
 /** What else the seam of the shirt has. */
-const OTHERS = { crease: false, depth: "0mm", asymmetry: 0, offset: "0mm", side: "both", rows: 1, rowGap: "0mm", through: false };
+const OTHERS = { crease: false, depth: "0mm", asymmetry: 0, offset: "0mm", side: "both", rows: 1, rowGap: "0mm", end: "taper", through: false };
 
 test("a preset is saved beside the garment without the sets, for all pages", async (t) => {
   const garment = sewnShirt(t);

@@ -85,7 +85,7 @@ def test_every_attribute_of_the_schemas_is_read(stage, coat):
     for name, sets in (("seam:placket:edges", ["fold"]), ("fold:hem:faces", ["low"])):
         setting(prim, f"tailor:{name}", sets, TOKENS)
         expected[name.replace(":", ".")] = sets
-    assert arguments(stage).keys() == expected.keys() and len(expected) == 19
+    assert arguments(stage).keys() == expected.keys() and len(expected) == 20
     assert arguments(stage)["seam.placket.edges"] == "fold"
     assert len(points(prim)) > 0
 

@@ -42,6 +42,7 @@ SEAM = {
     "tailor:seam:x:side": ("token", "both"),
     "tailor:seam:x:rows": ("int", 1),
     "tailor:seam:x:rowGap": ("float", 0.0),
+    "tailor:seam:x:end": ("token", "taper"),
     "tailor:seam:x:through": ("bool", False),
     "tailor:seam:x:enabled": ("bool", True),
 }

@@ -340,6 +340,7 @@ impl Operator for Fold {
             ends: ends.joined.clone(),
             flat: IdVec::filled(false, t.vertex_count()),
             taper_length: IdVec::filled(TAPER_LENGTH * self.options.thickness, t.edges.len()),
+            round: IdVec::filled(false, t.vertex_count()),
             cuttable: chosen.clone(),
             shares: &[1.0],
             kept_line: 0,

@@ -31,7 +31,7 @@ mod stack;
 
 pub use fold::{FoldOptions, Side};
 pub use options::{OperatorOptions, RenderOptions};
-pub use seam::{RowSide, SeamOptions};
+pub use seam::{RowSide, SeamEnd, SeamOptions};
 pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 
 use crate::codes;

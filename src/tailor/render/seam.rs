@@ -34,7 +34,7 @@ use crate::codes;
 use chains::Network;
 use creases::Creases;
 use heights::{Part, SeamLine};
-pub use options::{RowSide, SeamOptions};
+pub use options::{RowSide, SeamEnd, SeamOptions};
 use reports::shallow_seam;
 use rows::Rows;
 use std::any::Any;
@@ -154,6 +154,15 @@ impl Seams {
         flat
     }
 
+    /// True for the ends of edges of seams whose profile leads around an end.
+    fn round(&self, network: &Network) -> IdVec<VertexId, bool> {
+        let mut round = IdVec::filled(false, network.tapers.len());
+        let seams = network.seam.enumerated().filter_map(|(edge, seam)| Some((edge, (*seam)?)));
+        let edges = seams.filter(|&(_, seam)| self.seams[seam].1.end == SeamEnd::Round).map(|(edge, _)| edge);
+        edges.flat_map(|edge| network.ends(edge)).for_each(|vertex| round[vertex] = true);
+        round
+    }
+
     /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
     fn distances(&self, cage: &OperatorInput, network: &Network) -> IdVec<CornerId, f32> {
         let t = &cage.level.topology;
@@ -222,7 +231,8 @@ impl Operator for Seams {
             tapers: network.tapers.clone(),
             ends: IdVec::filled(false, t.vertex_count()),
             flat: self.flat(cage, &network),
-            taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.width)).collect(),
+            taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.taper())).collect(),
+            round: self.round(&network),
             cuttable: IdVec::filled(true, t.faces.len()),
             shares: &profile::LINES,
             kept_line: profile::WIDTH_LINE,

@@ -17,7 +17,7 @@ use tailor_mesh::connectivity::{CornerId, EdgeId, Topology, VertexId};
 /// Largest share of an edge that a block takes.
 const MAX_BLOCK_SHARE: f32 = 0.75;
 /// Least sine of the angle between two marked edges whose lines cross.
-const MIN_BLOCK_SINE: f32 = 0.5;
+const MIN_BLOCK_SINE: f32 = 0.3;
 
 /// A cut of a marked edge.
 #[derive(Clone, Copy, Debug)]

@@ -3,7 +3,7 @@
 use super::cuts::{Cut, Cuts};
 use super::paths::Widths;
 use super::points::{Sources, between, weights};
-use super::ribs::{Rib, Ribs};
+use super::ribs::{Path, Rib, Ribs};
 use super::{Crossing, LineRequest, LineVertex, Lines, StripFace};
 use crate::render::child::ChildBuilder;
 use std::collections::BTreeMap;
@@ -90,13 +90,24 @@ impl LineBuilder<'_, '_> {
             return self.add_grid(corner, number);
         }
         let mut column = Vec::with_capacity(rib.steps.len());
+        let height = if self.has_ended(rib) { 0.0 } else { self.widths.heights[rib.vertex] };
         for (line, &step) in rib.steps.iter().enumerate() {
             let vertex = self.builder.vertex(&weights(self.request.topology, rib, step));
-            let height = self.widths.heights[rib.vertex];
             self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, height, crossing: None });
             column.push(vertex);
         }
         self.columns.push(column);
+    }
+
+    /// True for a rib ahead of an end: its face has no marked edge there.
+    fn has_ended(&self, rib: &Rib) -> bool {
+        let (t, vertex) = (self.request.topology, rib.vertex);
+        let edge = if let Path::Edge { to, .. } = rib.path { t.find_edge(vertex, to) } else { None };
+        let sides = |c: CornerId| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]];
+        let is_beside =
+            |edges: [EdgeId; 2]| edges.contains(&rib.mark) && edge.is_some_and(|edge| edges.contains(&edge));
+        let is_end = self.request.tapers[vertex] && !self.request.round[vertex];
+        is_end && !t.vertex_corners.row(vertex).iter().any(|&c| is_beside(sides(c)))
     }
 
     /// Cuts a marked edge and the strips beside it.

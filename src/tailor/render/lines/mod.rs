@@ -50,8 +50,10 @@ pub struct LineRequest<'a> {
     pub ends: IdVec<VertexId, bool>,
     /// True for vertices without heights, whose lines keep their distance.
     pub flat: IdVec<VertexId, bool>,
-    /// For each marked edge, the length of a taper at its end. \[mesh units\]
+    /// For each marked edge, the length of a taper at its end; 0 for none. \[mesh units\]
     pub taper_length: IdVec<EdgeId, f32>,
+    /// True for ends inside the surface around which the lines have the heights beside them.
+    pub round: IdVec<VertexId, bool>,
     /// True for faces that may be cut. The others get vertices on shared edges alone.
     pub cuttable: IdVec<FaceId, bool>,
     /// Distances of the lines from the marked edge, as ascending shares of `distance`.

@@ -56,8 +56,8 @@ impl Widths {
         let [(end, _), (_, first_length), .., (_, whole)] = *path else { return };
         let length = request.taper_length[first].min(MAX_TAPER_SHARE * whole);
         if request.tapers[end] {
-            path.iter()
-                .for_each(|&(v, along)| self.heights[v] = self.heights[v].min(along / length.max(f32::MIN_POSITIVE)));
+            let tapered = path.iter().filter(|&&(_, along)| along < length);
+            tapered.for_each(|&(v, along)| self.heights[v] = self.heights[v].min(along / length));
         } else if length < (1.0 - SNAP) * first_length {
             let from_second = usize::from(request.topology.edges[first][0] != end);
             self.cuts[first][from_second] = Some(length / first_length);

@@ -54,11 +54,11 @@ impl Network {
         self.ends[edge]
     }
 
-    /// The seams at a vertex: those that go through before those that end there, then ascending.
+    /// The seams at a vertex: those that go through before those that end there, then the later ones first.
     pub fn at(&self, t: &Topology, vertex: VertexId) -> Vec<usize> {
         let all: Vec<usize> = self.seam_edges_at(t, vertex).filter_map(|e| self.seam[e]).collect();
         let mut seams = all.clone();
-        seams.sort_unstable();
+        seams.sort_unstable_by(|a, b| b.cmp(a));
         seams.dedup();
         seams.sort_by_key(|seam| all.iter().filter(|other| *other == seam).count() < 2);
         seams

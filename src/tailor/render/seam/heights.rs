@@ -1,7 +1,7 @@
 //! The heights of seams: their profile across, and what becomes of it where seams meet.
 //!
 //! At a junction, the ridge of the seam that *goes through* keeps its height and width, and others end against it. A seam
-//! with two edges there goes through before one that ends there, and an earlier one before a later one. Grooves meet at
+//! with two edges there goes through before one that ends there, and a later one lies on an earlier one. Grooves meet at
 //! their depths.
 
 use super::Seams;

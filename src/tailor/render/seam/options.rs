@@ -30,6 +30,21 @@ pub enum RowSide {
 
 impl OptionValue for RowSide {}
 
+/// What becomes of a seam where it ends inside the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum SeamEnd {
+    /// Its height falls to nothing over its width.
+    #[default]
+    Taper,
+    /// Its profile leads around the end.
+    Round,
+    /// It keeps its height up to the end.
+    Square,
+}
+
+impl OptionValue for SeamEnd {}
+
 options! {
     /// A seam of the render mesh along edge sets, as a groove or a ridge. Left and right refer to the direction in which
     /// most of the edges were authored, with the normals up.
@@ -71,6 +86,11 @@ options! {
         "side" side: RowSide = RowSide::Both, Domain::Choice { words: &["both", "left", "right"] },
             "both, left or right";
 
+        /// End inside the surface: the height falls to nothing over the width, the profile leads around the end, or the height
+        /// stays up to the end
+        "end" end: SeamEnd = SeamEnd::Taper, Domain::Choice { words: &["taper", "round", "square"] },
+            "taper, round or square";
+
         /// Go through hems and inner layers of folds too, rather than being flat on them
         "through" through: bool = false, Domain::Flag, "true or false";
 
@@ -88,6 +108,11 @@ impl SeamOptions {
     pub(super) fn side_widths(&self) -> [f32; 2] {
         let left = (0.5 * (1.0 - self.asymmetry)).clamp(MIN_SIDE_SHARE, 1.0 - MIN_SIDE_SHARE);
         [self.width * left, self.width * (1.0 - left)]
+    }
+
+    /// The length over which its height falls at an end. \[mesh units\]
+    pub(super) fn taper(&self) -> f32 {
+        if self.end == SeamEnd::Taper { self.width } else { 0.0 }
     }
 
     /// The edges of a seam on the cage, in their authored direction.

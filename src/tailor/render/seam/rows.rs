@@ -5,7 +5,7 @@
 //! other seams and the rows of earlier ones.
 
 use super::chains::Network;
-use super::options::{RowSide, SeamOptions, flat};
+use super::options::{RowSide, SeamEnd, SeamOptions, flat};
 use super::profile::LINES as SHARES;
 use super::{reports, room};
 use crate::codes;
@@ -159,7 +159,10 @@ impl Rows {
             edges.retain(|&[a, b]| t.find_edge(a, b).is_none_or(|edge| network.seam[edge].is_none()));
         }
         let network = Network::new(t, &[edges]);
-        let chains = network.chains(t);
+        let mut chains = network.chains(t);
+        if self.seams[number].1.end == SeamEnd::Round {
+            chains.iter_mut().for_each(|chain| chain.fades = [false; 2]);
+        }
         (network, chains)
     }
 
@@ -254,12 +257,11 @@ impl Rows {
 
     /// The edges beside which a row is left out, except around corners that are tighter than its distance.
     fn missing(&self, request: &ParallelRequest, ladder: &Ladder, lines: &Parallels) -> Vec<EdgeId> {
-        let (mut missing, wanted) = (BTreeSet::new(), sides(self.options()));
+        let (mut missing, wanted, width) = (BTreeSet::new(), sides(self.options()), self.options().width);
         let covered = Covered::all(&lines.passages);
         for (chain, Chain { edges, fades }) in request.chains.iter().enumerate() {
             let length = request.field.lengths()[chain];
-            let is_faded =
-                |middle: f32| fades[0] && middle < request.fading || fades[1] && length - middle < request.fading;
+            let is_faded = |middle: f32| fades[0] && middle < width || fades[1] && length - middle < width;
             let rows =
                 ladder.rows.iter().enumerate().flat_map(|(row, &distance)| [0, 1].map(|side| (row, distance, side)));
             for (row, distance, side) in rows.filter(|&(.., side)| wanted[side]) {
@@ -291,7 +293,7 @@ impl Rows {
     ) -> bool {
         let (length, fades) = (request.field.lengths()[chain], request.chains[chain].fades);
         let ([from, _], [_, to]) = (request.field.span(run[0].0), request.field.span(run[run.len() - 1].0));
-        let is_at_end = |fades: bool, left: f32| fades && left < 2.0 * request.fading;
+        let is_at_end = |fades: bool, left: f32| fades && left < 2.0 * self.options().width;
         let (_, vertex) = run[run.len() / 2];
         let is_near = |block: &Block| {
             block.field.around_vertex(vertex).is_some_and(|foot| foot.distance < block.width + 0.5 * distance)
@@ -341,7 +343,7 @@ impl Operator for Rows {
             field: Field::new(&surface, &chains, sides(self.options()), furthest),
             chains: &chains,
             distances,
-            fading: self.options().width,
+            fading: self.options().taper(),
             blocks: self.blocks(cage, &surface, &network, &ladder),
         };
         let lines = parallels::insert(&request);

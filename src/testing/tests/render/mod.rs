@@ -4,6 +4,7 @@ mod cloth;
 mod crossings;
 mod ends;
 mod folds;
+mod junctions;
 mod locality;
 mod on_garments;
 mod operators;
