@@ -217,7 +217,8 @@ fn summary(built: &Built, verbose: bool) -> String {
     }
     let operators = &products.operators;
     if !operators.is_empty() {
-        let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
+        let s = if operators.len() == 1 { "" } else { "s" };
+        let _ = writeln!(t, "          {} operator{s}: {}", operators.len(), operators.join(", "));
     }
     t += &level_lines(built);
     if let Some(figures) = &built.cloth {
