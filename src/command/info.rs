@@ -24,7 +24,7 @@ use tailor_mesh::units::in_words;
 use tailor_mesh::{Mesh, PrimvarRole};
 use tailor_usd::session::OpenGarment;
 use tailor_usd::{
-    BuildRecord, Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names,
+    BuildRecord, Facts, ProductRole, Selection, Source, Stale, TailorPayloads, check_product_names, product_names,
     tailor_payloads, type_word,
 };
 
@@ -196,18 +196,10 @@ fn free_names(garments: &[OpenGarment]) -> Result<(), Error> {
 
 /// Whether the stage has products of this program, which are what a build would make again.
 fn fresh(source: &Source) -> Result<bool, Error> {
-    let records = BuildRecord::in_use(source)?;
-    for (layer, record) in &records {
-        let mut changes = record.changes(layer)?;
-        if record.prim() == source.prim() {
-            changes.extend(record.variant_changes(source));
-        }
-        if !changes.is_empty() {
-            let fault = Error::new(ErrorKind::Usd, layer.display(), format!("stale: {}", changes.join("; ")));
-            return Err(fault.code(codes::STALE_OUTPUT).remedy("build it again, with --force"));
-        }
-    }
-    Ok(!records.is_empty())
+    let Some(stale) = BuildRecord::stale_in_use(source)? else { return Ok(false) };
+    let Some(Stale { output, changes }) = stale else { return Ok(true) };
+    let fault = Error::new(ErrorKind::Usd, output.display(), format!("stale: {}", changes.join("; ")));
+    Err(fault.code(codes::STALE_OUTPUT).remedy("build it again, with --force"))
 }
 
 /// The findings about an input.

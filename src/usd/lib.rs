@@ -20,7 +20,7 @@ mod write;
 
 pub use assets::relative;
 pub use body::{body_of, stage_to_garment};
-pub use build_record::{BuildRecord, warning_json};
+pub use build_record::{BuildRecord, Stale, warning_json};
 pub use read::Look;
 pub use read::{
     Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source,
