@@ -258,10 +258,10 @@ fn built(
         }
         garments.push(Built { variant, ..built });
     }
-    if build.strict {
+    if build.strictness.is_any() {
         // A rehearsal finds the warnings of writing before anything is written.
         write(build, task, record.clone(), &sources, &mut garments, true)?;
-        garments.iter().try_for_each(|built| built.warnings.strict())?;
+        garments.iter().try_for_each(|built| build.strictness.check(&built.warnings))?;
     }
     write(build, task, record, &sources, &mut garments, build.dry_run)?;
     Ok(garments)

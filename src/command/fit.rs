@@ -5,6 +5,7 @@ mod shown;
 
 use super::process::folders::{MadeFolders, is_folder};
 use super::process::memory;
+use super::strict::Strictness;
 use super::text::{print_error, print_warnings};
 use super::{Inputs, Limits, Output, report, usage};
 use clap::Args;
@@ -63,15 +64,19 @@ pub struct Fit {
     /// Write crossings, distances, lengths and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Fail where a warning is more than a note, and write nothing then
-    #[arg(long, help_heading = "Output")]
-    strict: bool,
+    #[command(flatten)]
+    strictness: Strictness,
 }
 
 impl Fit {
     /// The options of reading.
     pub fn inputs(&self) -> &Inputs {
         &self.inputs
+    }
+
+    /// The warnings that are errors.
+    pub fn strictness(&self) -> &Strictness {
+        &self.strictness
     }
 }
 
@@ -254,7 +259,7 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
             "bodyPrim": command.body_prim,
             "rigid": command.rigid,
             "keepLength": command.keep_length,
-            "strict": command.strict,
+            "strictness": command.strictness,
         },
     });
     Ok(request.to_string())
@@ -325,8 +330,8 @@ fn strictly<T>(
 ) -> Result<(T, Warnings), Error> {
     let (record, held) = (Some(record), task.held.clone());
     let options = WriteOptions { force: command.force, record, held, ..WriteOptions::default() };
-    if command.strict {
-        write(&WriteOptions { dry_run: true, ..options.clone() })?.1.strict()?;
+    if command.strictness.is_any() {
+        command.strictness.check(&write(&WriteOptions { dry_run: true, ..options.clone() })?.1)?;
     }
     write(&options)
 }
@@ -355,9 +360,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
     let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
-    if command.strict {
-        garments.iter().try_for_each(|done| done.warnings.strict())?;
-    }
+    garments.iter().try_for_each(|done| command.strictness.check(&done.warnings))?;
     Ok((garments, record))
 }
 

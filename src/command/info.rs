@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use tailor::sets::ListedSet;
 use tailor_costume::trim::Ride;
 use tailor_costume::{Builder, Plan, Recipe};
-use tailor_mesh::error::{Error, ErrorKind, Fault, Severity, Warnings};
+use tailor_mesh::error::{Error, ErrorKind, Fault, Warnings};
 use tailor_mesh::options::{Domain, Given};
 use tailor_mesh::units::in_words;
 use tailor_mesh::{Mesh, PrimvarRole};
@@ -51,7 +51,7 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
         if let Some(made) = &made {
             found.json["made"] = made.json();
         }
-        if args.strict { found.warnings.strict() } else { Ok(()) }
+        args.strictness.check(&found.warnings)
     })
 }
 
@@ -165,9 +165,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             }
         }
         is_fresh &= has_own;
-        if args.strict {
-            found.warnings.strict()?;
-        }
+        args.strictness.check(&found.warnings)?;
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
             for (prim, recipe) in &recipes {
@@ -224,11 +222,11 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         let mut found = Found { payloads, ..Found::default() };
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
-        // The error has what is more than a note.
+        // The error has those that are refused.
         let is_strict_fault = |fault: &Fault| fault.code == tailor_mesh::codes::STRICT_WARNING;
         let is_strict = result.as_ref().is_err_and(|error| error.faults.iter().any(is_strict_fault));
         let warnings = found.warnings.worst_first().into_iter();
-        let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);
+        let warnings = warnings.filter(|warning| !is_strict || !args.strictness.refuses(warning));
         let wording = if args.json { Wording::Silent } else { inputs.wording() };
         text::print_warnings(warnings, wording, several.then_some(&file));
         if let Err(error) = &result {
