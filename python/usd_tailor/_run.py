@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from pxr import Sdf, Usd, UsdGeom
 
-Path_ = Union[str, "os.PathLike[str]"]
+FilePath = Union[str, "os.PathLike[str]"]
 Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
 Value = Union[str, int, float, bool, Sequence[str]]
 Options = Mapping[str, Union[Value, "Options"]]
@@ -29,7 +29,7 @@ _RECORD = "tailor"
 class _ReadArguments(TypedDict, total=False):
     """How garments are read."""
 
-    recipe: "Path_ | None"
+    recipe: "FilePath | None"
     """A ``.tailor`` file with options."""
     options: "Options | None"
     """Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``, or nested as in a ``.tailor`` file:
@@ -106,7 +106,7 @@ class FitArguments(_WriteArguments, total=False):
 
     body_prim: "str | None"
     """Path of the mesh in the files of bodies."""
-    pairs: "Path_ | None"
+    pairs: "FilePath | None"
     """A file of places that correspond, for bodies with neither the same faces nor a common UV set."""
     rigid: Sequence[str]
     """Sets whose connected parts move as wholes."""
@@ -154,7 +154,7 @@ class Built:
     """Counts, quality figures, times, the complete recipe and warnings, as ``usdtailor build --report`` writes them."""
 
 
-def build(source: Source, output: "Path_ | None" = None, **arguments: "Unpack[BuildArguments]") -> Built:
+def build(source: Source, output: "FilePath | None" = None, **arguments: "Unpack[BuildArguments]") -> Built:
     """Makes a simulation mesh and a render mesh of a garment.
 
     Args:
@@ -191,10 +191,10 @@ class Fitted:
 
 
 def fit(
-    garment: "Path_",
-    body: "Path_",
-    to: "Path_ | Sequence[Path_]",
-    output: "Path_",
+    garment: "FilePath",
+    body: "FilePath",
+    to: "FilePath | Sequence[FilePath]",
+    output: "FilePath",
     **arguments: "Unpack[FitArguments]",
 ) -> Fitted:
     """Moves a garment to another body, as ``usdtailor fit`` does.
@@ -299,7 +299,7 @@ def _sets(source: Source, expressions: Mapping[str, str], arguments: dict[str, A
     }
 
 
-def drive(garment: "Path_", cache: "Path_", output: "Path_", **arguments: "Unpack[DriveArguments]") -> "Sdf.Layer":
+def drive(garment: "FilePath", cache: "FilePath", output: "FilePath", **arguments: "Unpack[DriveArguments]") -> "Sdf.Layer":
     """Moves the render mesh of a built garment with a simulated cache, as ``usdtailor drive`` does, and opens the output.
 
     Args:
@@ -317,7 +317,7 @@ def drive(garment: "Path_", cache: "Path_", output: "Path_", **arguments: "Unpac
 _REPORTS = {"build": ["--report", "-"], "fit": ["--report", "-"], "info": ["--json"], "check": ["--json"], "sets": ["--json"]}
 
 
-def run(arguments: "Sequence[Path_]") -> Any:
+def run(arguments: "Sequence[FilePath]") -> Any:
     """Runs the command and returns its report: the JSON of ``build``, ``fit``, ``info``, ``check``, ``sets`` and ``options``, and the
     text of others.
 
@@ -337,7 +337,7 @@ def run(arguments: "Sequence[Path_]") -> Any:
         return text
 
 
-def _report(command: str, inputs: list[str], output: "Path_", words: list[str]) -> dict[str, Any]:
+def _report(command: str, inputs: list[str], output: "FilePath", words: list[str]) -> dict[str, Any]:
     report: dict[str, Any] = run([command, *inputs, "-o", output, "--quiet", *words])
     return report
 
@@ -395,7 +395,7 @@ def _flattened(stage: "Usd.Stage", folder: str) -> str:
     return path
 
 
-def _written(output: "Path_") -> "Sdf.Layer | None":
+def _written(output: "FilePath") -> "Sdf.Layer | None":
     """The layer that was written; none of a folder of several, or without usd-core."""
     try:
         return None if os.path.isdir(output) else _opened(output)
@@ -403,7 +403,7 @@ def _written(output: "Path_") -> "Sdf.Layer | None":
         return None
 
 
-def _opened(output: "Path_") -> "Sdf.Layer":
+def _opened(output: "FilePath") -> "Sdf.Layer":
     """A layer that may have been open before the command wrote it."""
     from pxr import Sdf
 

@@ -84,7 +84,7 @@ mod tests {
             for _ in 0..8 {
                 scope.spawn(|| {
                     for _ in 0..20 {
-                        let lock = OutputLock::new(&output, || drop(waited.fetch_add(1, Ordering::Relaxed)));
+                        let lock = OutputLock::new(&output, || _ = waited.fetch_add(1, Ordering::Relaxed));
                         assert_eq!(inside.fetch_add(1, Ordering::SeqCst), 0, "two runs have it");
                         thread::yield_now();
                         inside.fetch_sub(1, Ordering::SeqCst);

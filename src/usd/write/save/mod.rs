@@ -27,7 +27,7 @@ use tempfile::NamedTempFile;
 use text::write_text;
 
 /// Largest text that is opened once it is written: to read text takes longer than to write it. \[bytes\]
-const MOST_TEXT: u64 = 8 << 20;
+const MOST_TEXT: u64 = 16 << 20;
 
 /// How a layer is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
