@@ -7,13 +7,16 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, TypedDict, Union
 
-from ._command import run
+from ._command import run as _command
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from pxr import Sdf, Usd, UsdGeom
 
+FilePath = Union[str, "os.PathLike[str]"]
 Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
 Value = Union[str, int, float, bool, Sequence[str]]
 Options = Mapping[str, Union[Value, "Options"]]
@@ -21,6 +24,123 @@ Options = Mapping[str, Union[Value, "Options"]]
 
 # The key of the build's record. It names the source, which for a stage is a temporary file.
 _RECORD = "tailor"
+
+
+class _ReadArguments(TypedDict, total=False):
+    """How garments are read."""
+
+    recipe: "FilePath | None"
+    """A ``.tailor`` file with options."""
+    options: "Options | None"
+    """Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``, or nested as in a ``.tailor`` file:
+    ``{"sim": {"maxEdgeLength": "8mm"}, "seam": {"side": {"width": 0.6}}}``."""
+    prim: "str | None"
+    """Path of the mesh, if there are several."""
+    time: "float | None"
+    """Time at which values are read. [time codes]"""
+    all: bool
+    """All meshes; panels whose borders coincide are sewn."""
+    exclude: Sequence[str]
+    """Prims to leave out, by name, path or collection."""
+    sew_tolerance: "float | None"
+    """Distance at which borders are sewn. [share of the mean edge length]"""
+
+
+class ExamineArguments(_ReadArguments, total=False):
+    """The arguments of :func:`info` and :func:`check`."""
+
+    physics: "str | None"
+    """Dialects of USD physics to write, or ``none``."""
+    lods: "int | None"
+    """Levels of detail."""
+    provenance: bool
+    """Store the source face of each vertex of the simulation mesh."""
+    strict: bool
+    """Fail where a warning is more than a note."""
+    deny: Sequence[str]
+    """Codes of warnings to fail for."""
+    allow: Sequence[str]
+    """Codes of warnings that pass ``strict``."""
+    max_memory: "str | int | None"
+    """Memory that the run may take, such as ``"8G"``."""
+    threads: "int | None"
+    """Number of threads."""
+
+
+class _WriteArguments(ExamineArguments, total=False):
+    """What is done with an output that is there."""
+
+    force: bool
+    """Overwrite it."""
+    skip_fresh: bool
+    """Leave it if it was made of the same files with the same options and version."""
+
+
+class BuildArguments(_WriteArguments, total=False):
+    """The arguments of :func:`build`: the options of ``usdtailor build``."""
+
+    flatten: bool
+    """Write one self-contained file."""
+    variants: "str | None"
+    """Build for each variant of this set."""
+    render_per_panel: bool
+    """Write a render mesh for each of the panels that are sewn together."""
+    lod_schema: "str | None"
+    """``variants`` or ``usdLod``."""
+    mark: bool
+    """Give the render mesh a set of the elements that each kind of warning names."""
+    sets: "str | None"
+    """``none``, ``authored`` or ``all``."""
+    sim_name: "str | None"
+    """Name of the simulation mesh."""
+    render_name: "str | None"
+    """Name of the render mesh."""
+    keep_model_purpose: bool
+    """Keep the purpose of the model."""
+    max_faces: "int | None"
+    """Largest simulation mesh. [triangles]"""
+
+
+class FitArguments(_WriteArguments, total=False):
+    """The arguments of :func:`fit`: the options of ``usdtailor fit``."""
+
+    body_prim: "str | None"
+    """Path of the mesh in the files of bodies."""
+    pairs: "FilePath | None"
+    """A file of places that correspond, for bodies with neither the same faces nor a common UV set."""
+    rigid: Sequence[str]
+    """Sets whose connected parts move as wholes."""
+    keep_length: Sequence[str]
+    """Sets whose edges keep their lengths."""
+    variant_set: "str | None"
+    """Write one layer with a variant set of this name, a choice for each body."""
+
+
+class DriveArguments(TypedDict, total=False):
+    """The arguments of :func:`drive`: the options of ``usdtailor drive``."""
+
+    prim: "str | None"
+    """Path of the render mesh to drive, or of a simulation mesh for all that are bound to it."""
+    cache_prim: "str | None"
+    """Path of the mesh in the cache."""
+    cache_space: "str | None"
+    """The space of the cache's points: ``world`` or ``local``."""
+    model: bool
+    """Move the model too."""
+    clips: bool
+    """Write value clips, for long caches."""
+    gaps: bool
+    """Accept gaps between frames."""
+    force: bool
+    """Overwrite an output that is there."""
+    max_size: "str | int | None"
+    """Largest shot to write, such as ``"20G"``."""
+    threads: "int | None"
+    """Number of threads."""
+
+
+# The arguments of a build that have no use for an open stage.
+_OF_FILES = ("flatten", "force", "skip_fresh", "variants")
 
 
 @dataclass(frozen=True)
@@ -34,50 +154,29 @@ class Built:
     """Counts, quality figures, times, the complete recipe and warnings, as ``usdtailor build --report`` writes them."""
 
 
-def build(
-    source: Source,
-    output: "str | os.PathLike[str] | None" = None,
-    *,
-    recipe: "str | os.PathLike[str] | None" = None,
-    options: "Options | None" = None,
-    prim: "str | None" = None,
-    time: "float | None" = None,
-    all: bool = False,
-    flatten: bool = False,
-    force: bool = False,
-) -> Built:
+def build(source: Source, output: "FilePath | None" = None, **arguments: "Unpack[BuildArguments]") -> Built:
     """Makes a simulation mesh and a render mesh of a garment.
 
     Args:
         source: A USD or ``.tailor`` file, with an ``output``; or an open stage, as it is now, edits included.
         output: The file to write, for a file. ``force`` overwrites it.
-        recipe: A ``.tailor`` file with options.
-        options: Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``, or nested as in a
-            ``.tailor`` file: ``{"sim": {"maxEdgeLength": "8mm"}, "seam": {"side": {"width": 0.6}}}``.
-        prim: Path of the mesh, if there are several.
-        time: Time at which values are read. [time codes]
-        all: All meshes; panels whose borders coincide are sewn.
-        flatten: Write one self-contained file.
+        arguments: Those of :class:`BuildArguments`, which are the options of ``usdtailor build``.
 
     Raises:
         TailorError: The garment, an option or the output is refused. Nothing is written then.
     """
-    arguments = _arguments(recipe, options, prim, time, all)
+    words = _words(BuildArguments, arguments)
     if not _is_stage(source):
         if output is None:
             raise TypeError("a build of a file needs an output; a build of an open stage returns a layer instead")
-        arguments += [name for name, given in (("--flatten", flatten), ("--force", force)) if given]
-        report = _report(os.fspath(source), os.fspath(output), arguments)
-        try:
-            from pxr import Sdf
-        except ModuleNotFoundError:
-            return Built(None, report)
-        return Built(_opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force), report)
-    if output is not None or flatten or force:
+        report = _report("build", [os.fspath(source)], output, words)
+        return Built(_written(output), report)
+    given = [name for name in _OF_FILES if arguments.get(name)]
+    if output is not None or given:
         raise TypeError("a build of an open stage returns a layer; write it with its Export()")
     with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
         written = Path(folder, "built.usdc")
-        report = _report(_flattened(source, folder), str(written), arguments)
+        report = _report("build", [_flattened(source, folder)], written, words)
         return Built(_detached(written), report)
 
 
@@ -86,59 +185,41 @@ class Fitted:
     """A garment on another body."""
 
     layer: "Sdf.Layer | None"
-    """The new points, over the garment's file. None where usd-core is not installed."""
+    """The new points, over the garment's file. None of several files, or where usd-core is not installed."""
     report: dict[str, Any]
     """Crossings, distances, lengths, angles and warnings, as ``usdtailor fit --report`` writes them."""
 
 
 def fit(
-    garment: "str | os.PathLike[str]",
-    body: "str | os.PathLike[str]",
-    to: "str | os.PathLike[str]",
-    output: "str | os.PathLike[str]",
-    *,
-    rigid: Sequence[str] = (),
-    keep_length: Sequence[str] = (),
-    prim: "str | None" = None,
-    all: bool = False,
-    body_prim: "str | None" = None,
-    pairs: "str | os.PathLike[str] | None" = None,
-    force: bool = False,
+    garment: "FilePath",
+    body: "FilePath",
+    to: "FilePath | Sequence[FilePath]",
+    output: "FilePath",
+    **arguments: "Unpack[FitArguments]",
 ) -> Fitted:
     """Moves a garment to another body, as ``usdtailor fit`` does.
 
     Args:
         garment: The file of the garment.
         body: The file of the body that it was made for.
-        to: The file of the body that it is to fit, with the same faces or a common UV set.
+        to: The file of the body that it is to fit, with the same faces or a common UV set; or several, with a folder as ``output`` or
+            with ``variant_set``.
         output: The file to write. ``force`` overwrites it.
-        rigid: Sets whose connected parts move as wholes.
-        keep_length: Sets whose edges keep their lengths.
-        prim: Path of the mesh, if there are several.
-        all: All meshes; panels whose borders coincide are sewn.
-        body_prim: Path of the mesh in the files of bodies.
-        pairs: A file of places that correspond, for bodies with neither.
+        arguments: Those of :class:`FitArguments`, which are the options of ``usdtailor fit``.
 
     Raises:
         TailorError: The garment, a body or the output is refused. Nothing is written then.
     """
-    arguments = ["fit", os.fspath(garment), "--from", os.fspath(body), "--to", os.fspath(to), "-o", os.fspath(output), "--quiet", "--report", "-"]
-    arguments += _arguments(prim=prim, all=all) + (["--force"] if force else [])
-    arguments += ([] if body_prim is None else ["--body-prim", body_prim]) + ([] if pairs is None else ["--pairs", os.fspath(pairs)])
-    for flag, names in (("--rigid", rigid), ("--keep-length", keep_length)):
-        arguments += [part for name in names for part in (flag, name)]
-    report: dict[str, Any] = json.loads(run(arguments))
-    try:
-        from pxr import Sdf
-    except ModuleNotFoundError:
-        return Fitted(None, report)
-    return Fitted(_opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force), report)
+    bodies = [to] if isinstance(to, (str, os.PathLike)) else list(to)
+    words = ["--from", os.fspath(body), *(part for one in bodies for part in ("--to", os.fspath(one))), *_words(FitArguments, arguments)]
+    report = _report("fit", [os.fspath(garment)], output, words)
+    return Fitted(_written(output), report)
 
 
 def info(source: Source, **arguments: Any) -> dict[str, Any]:
     """What garments hold, and the meshes that :func:`build` would make: the JSON of ``usdtailor info``.
 
-    It takes ``recipe``, ``options``, ``prim``, ``time`` and ``all`` as :func:`build` does.
+    It takes those arguments of :func:`build` by which a garment is read.
 
     Raises:
         TailorError: A garment or an option is refused.
@@ -158,7 +239,7 @@ def options() -> list[dict[str, Any]]:
     """The groups of options of a recipe, with the keys, ranges, units, defaults and meanings of their options: the JSON of
     ``usdtailor options``.
     """
-    groups: list[dict[str, Any]] = json.loads(run(["options"]))
+    groups: list[dict[str, Any]] = json.loads(_command(["options"]))
     return groups
 
 
@@ -178,7 +259,7 @@ def sets(source: Source, expressions: "Mapping[str, str] | None" = None, **argum
     """The sets of a garment that a recipe can name, as arrays: all that ``usdtailor sets`` lists, by their expressions, or
     those of ``expressions``, by your names.
 
-    It takes ``recipe``, ``options``, ``prim``, ``time`` and ``all`` as :func:`build` does.
+    It takes those arguments of :func:`build` by which a garment is read.
 
     Raises:
         TailorError: The garment or an expression is refused.
@@ -209,7 +290,7 @@ def _sets(source: Source, expressions: Mapping[str, str], arguments: dict[str, A
     baked = [flag for name, expression in expressions.items() for flag in ("--bake", f"{name}={expression}")]
     with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
         path = _flattened(source, folder) if _is_stage(source) else os.fspath(source)
-        found = json.loads(run(["sets", path, "--json", "--quiet", *baked, *_arguments(**arguments)]))
+        found = json.loads(_command(["sets", path, "--json", "--quiet", *baked, *_words(_ReadArguments, arguments)]))
     kinds = {"faces": "face", "edges": "edge", "points": "point"}
     entries = [(entry.get("elementType") or kinds[entry["kind"]], entry) for entry in found["sets"]]
     return found["prim"], {
@@ -218,57 +299,74 @@ def _sets(source: Source, expressions: Mapping[str, str], arguments: dict[str, A
     }
 
 
-def drive(
-    garment: "str | os.PathLike[str]",
-    cache: "str | os.PathLike[str]",
-    output: "str | os.PathLike[str]",
-    *,
-    clips: bool = False,
-    model: bool = False,
-    force: bool = False,
-) -> "Sdf.Layer":
+def drive(garment: "FilePath", cache: "FilePath", output: "FilePath", **arguments: "Unpack[DriveArguments]") -> "Sdf.Layer":
     """Moves the render mesh of a built garment with a simulated cache, as ``usdtailor drive`` does, and opens the output.
 
     Args:
         garment: The output of :func:`build`.
         cache: The simulation mesh with time samples of its points, or a ``.npz`` of points.
         output: The file to write. ``force`` overwrites it.
-        clips: Write value clips, for long caches.
-        model: Move the model too.
+        arguments: Those of :class:`DriveArguments`, which are the options of ``usdtailor drive``.
     """
-    flags = [name for name, given in (("--clips", clips), ("--model", model), ("--force", force)) if given]
-    run(["drive", os.fspath(garment), "--cache", os.fspath(cache), "-o", os.fspath(output), "--quiet", *flags])
-    from pxr import Sdf
-
-    return _opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force)
+    words = _words(DriveArguments, arguments)
+    _command(["drive", os.fspath(garment), "--cache", os.fspath(cache), "-o", os.fspath(output), "--quiet", *words])
+    return _opened(output)
 
 
-def _report(source: str, output: str, arguments: list[str]) -> dict[str, Any]:
-    report: dict[str, Any] = json.loads(run(["build", source, "-o", output, "--report", "-", "--quiet", *arguments]))
+# The option by which a subcommand prints its report.
+_REPORTS = {"build": ["--report", "-"], "fit": ["--report", "-"], "info": ["--json"], "check": ["--json"], "sets": ["--json"]}
+
+
+def run(arguments: "Sequence[FilePath]") -> Any:
+    """Runs the command and returns its report: the JSON of ``build``, ``fit``, ``info``, ``check``, ``sets`` and ``options``, and the
+    text of others.
+
+    Args:
+        arguments: Those of the command line, such as ``["build", "coat.usda", "-o", "out.usda", "--variants", "size"]``.
+
+    Raises:
+        TailorError: What the command refuses. Faults of garments are in the report of ``check``.
+    """
+    words = [os.fspath(argument) for argument in arguments]
+    flags = _REPORTS.get(words[0] if words else "", [])
+    flags = [] if {"--dry-run", *flags[:1]} & set(words) else flags
+    text = _command([*words[:1], *flags, *words[1:]], examines=words[:1] == ["check"])
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError:
+        return text
+
+
+def _report(command: str, inputs: list[str], output: "FilePath", words: list[str]) -> dict[str, Any]:
+    report: dict[str, Any] = run([command, *inputs, "-o", output, "--quiet", *words])
     return report
 
 
 def _examined(command: str, source: Source, **arguments: Any) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
         path = _flattened(source, folder) if _is_stage(source) else os.fspath(source)
-        found: dict[str, Any] = json.loads(run([command, path, "--json", "--quiet", *_arguments(**arguments)], examines=command == "check"))
+        found: dict[str, Any] = json.loads(_command([command, path, "--json", "--quiet", *_words(ExamineArguments, arguments)], examines=command == "check"))
         return found
 
 
-def _arguments(
-    recipe: "str | os.PathLike[str] | None" = None,
-    options: "Options | None" = None,
-    prim: "str | None" = None,
-    time: "float | None" = None,
-    all: bool = False,
-) -> list[str]:
-    arguments = [] if recipe is None else ["--recipe", os.fspath(recipe)]
-    arguments += [] if prim is None else ["--prim", str(prim)]
-    arguments += [] if time is None else ["--time", str(time)]
-    arguments += ["--all"] if all else []
-    for key, value in _flat(options or {}):
-        arguments += ["--set", f"{key}={_text(value)}"]
-    return arguments
+def _words(kind: Any, arguments: Mapping[str, Any]) -> list[str]:
+    """The options of the command for the arguments of a function, which are those that `kind` declares."""
+    known = kind.__optional_keys__
+    for name in arguments.keys() - known:
+        raise TypeError(f"there is no argument {name!r}; there are {', '.join(sorted(known))}")
+    given = dict(arguments)
+    words = [part for key, value in _flat(given.pop("options", None) or {}) for part in ("--set", f"{key}={_text(value)}")]
+    for name, value in given.items():
+        flag = "--" + name.replace("_", "-")
+        if value is None or value is False:
+            continue
+        if value is True:
+            words.append(flag)
+        elif isinstance(value, Sequence) and not isinstance(value, str):
+            words += [part for one in value for part in (flag, os.fspath(one) if isinstance(one, os.PathLike) else str(one))]
+        else:
+            words += [flag, os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
+    return words
 
 
 def _flat(options: Options, above: str = "") -> "Iterator[tuple[str, Value]]":
@@ -297,10 +395,22 @@ def _flattened(stage: "Usd.Stage", folder: str) -> str:
     return path
 
 
-def _opened(layer: "Sdf.Layer", written_again: bool) -> "Sdf.Layer":
+def _written(output: "FilePath") -> "Sdf.Layer | None":
+    """The layer that was written; none of a folder of several, or without usd-core."""
+    try:
+        return None if os.path.isdir(output) else _opened(output)
+    except ModuleNotFoundError:
+        return None
+
+
+def _opened(output: "FilePath") -> "Sdf.Layer":
     """A layer that may have been open before the command wrote it."""
-    if written_again:
-        layer.Reload(force=True)
+    from pxr import Sdf
+
+    layer = Sdf.Layer.Find(os.fspath(output))
+    if layer is None:
+        return Sdf.Layer.FindOrOpen(os.fspath(output))
+    layer.Reload(force=True)
     return layer
 
 

@@ -25,17 +25,17 @@ use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::meter::PassedLimit;
 use tailor_usd::session::{is_usd, written};
 use tailor_usd::{
-    BoundTrim, BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_name,
-    check_target, product_names, write_all,
+    BoundTrim, BuildRecord, Format, GarmentProducts, HeldOutput, ProductNames, Selection, Source, WriteOptions,
+    check_name, check_target, product_names, write_all,
 };
 
-/// The name of a report that is printed.
-const STDOUT: &str = "-";
-
 /// An input and its output.
+#[derive(Default)]
 pub struct Task {
     pub input: PathBuf,
     pub output: PathBuf,
+    /// Where the output of a lone input waits for the report.
+    pub held: Option<HeldOutput>,
 }
 
 /// The result of one input. It holds no mesh, so that a run of many inputs does not keep them all.
@@ -91,17 +91,18 @@ pub struct Built {
 
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
-    let tasks = tasks(build)?;
+    let mut tasks = tasks(build)?;
     // Kept to the end, when it goes again if nothing is in it.
     let _made = if is_folder(&build.output, tasks.len()) { Some(MadeFolders::new(&build.output)?) } else { None };
-    let report_file = build.report.as_deref().filter(|file| *file != Path::new(STDOUT));
+    let report_file = build.report.as_deref().filter(|file| !report::is_printed(file));
     let prints_report = build.report.is_some() && report_file.is_none();
     // The caller prints the error of a lone input, unless there is a report to print as well.
     let is_lone = tasks.len() == 1 && !prints_report;
-    if let Some(file) = report_file {
-        report::check_target(file, build.force)?;
-    }
+    let _turn = report_file.map(|file| report::reserve(file, build.force, build.inputs.quiet)).transpose()?;
     protect::check(build, &tasks)?;
+    if let ([task], Some(_)) = (&mut tasks[..], &build.report) {
+        task.held = Some(HeldOutput::default());
+    }
     let budget = Budget::new(memory::hold(build.limits.max_memory));
     let jobs = build.jobs.map_or_else(rayon::current_num_threads, usize::from).min(tasks.len());
     let bar = bar(build.inputs.quiet, tasks.len());
@@ -119,17 +120,16 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     bar.finish_and_clear();
     let report = report::text(&tasks, &outcomes)?;
     // Where nothing was written as all outputs were there, the report is that of the run which wrote them.
-    if let Some(file) = report_file.filter(|_| !outcomes.iter().all(Outcome::lost)) {
+    if let Some(file) = build.report.as_deref().filter(|_| prints_report || !outcomes.iter().all(Outcome::lost)) {
         report::write(file, &report, build.force)?;
+        tasks.iter().filter_map(|task| task.held.as_ref()).try_for_each(|held| report::release(file, held))?;
     }
     if is_lone && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_))) {
         return Err(error);
     }
     let failed = outcomes.iter().filter_map(|outcome| if let Outcome::Failed(e) = outcome { Some(e) } else { None });
     let code = failed.map(super::program::exit_code).max().unwrap_or(0);
-    let text = if prints_report {
-        report
-    } else if build.inputs.quiet {
+    let text = if prints_report || build.inputs.quiet {
         String::new()
     } else {
         text::outcomes(&tasks, &outcomes, build.inputs.verbose)
@@ -144,7 +144,7 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     let files = build.inputs.files()?;
     let out = &build.output;
     if !is_folder(&build.output, files.len()) {
-        return Ok(files.into_iter().map(|input| Task { input, output: out.clone() }).collect());
+        return Ok(files.into_iter().map(|input| Task { input, output: out.clone(), held: None }).collect());
     }
     if !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
         return Err(usage(format!("-o {}", out.display()), format!("{} inputs need a folder", files.len()))
@@ -155,7 +155,7 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
         let stem = input.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = out.join(format!("{stem}_tailored.usdc"));
         if known.insert(output.clone()) {
-            return Ok(Task { input, output });
+            return Ok(Task { input, output, held: None });
         }
         Err(usage("", format!("two inputs are named {stem}")).remedy("build them into separate folders"))
     };
@@ -224,7 +224,7 @@ fn built(
     bar: &ProgressBar,
     step: &RunningStep,
 ) -> Result<Vec<Built>, Error> {
-    let Task { input, output } = task;
+    let Task { input, output, .. } = task;
     *step.lock().unwrap_or_else(PoisonError::into_inner) = String::new();
     let started = SystemTime::now();
     let mut timings = Vec::new();
@@ -258,12 +258,12 @@ fn built(
         }
         garments.push(Built { variant, ..built });
     }
-    if build.strict {
+    if build.strictness.is_any() {
         // A rehearsal finds the warnings of writing before anything is written.
-        write(build, output, record.clone(), &sources, &mut garments, true)?;
-        garments.iter().try_for_each(|built| built.warnings.strict())?;
+        write(build, task, record.clone(), &sources, &mut garments, true)?;
+        garments.iter().try_for_each(|built| build.strictness.check(&built.warnings))?;
     }
-    write(build, output, record, &sources, &mut garments, build.dry_run)?;
+    write(build, task, record, &sources, &mut garments, build.dry_run)?;
     Ok(garments)
 }
 
@@ -321,7 +321,7 @@ fn garment(
 /// Writes the products of all garments, or rehearses it. The last one gets the time of it, and its warnings.
 fn write(
     build: &Build,
-    output: &Path,
+    task: &Task,
     record: BuildRecord,
     sources: &[Source],
     garments: &mut [Built],
@@ -335,6 +335,7 @@ fn write(
         model_guide: !build.keep_model_purpose,
         dry_run,
         record: Some(record.with_warnings(garments.iter().flat_map(|built| built.warnings.iter()))),
+        held: task.held.clone(),
     };
     let mut timings = Vec::new();
     let (written, warnings) = timed(if dry_run { "rehearsal" } else { "write" }, &mut timings, || {
@@ -344,7 +345,7 @@ fn write(
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
             .map(|((source, products), variant)| GarmentProducts { source, products, variant })
             .collect();
-        write_all(&all, output, &options)
+        write_all(&all, &task.output, &options)
     })?;
     for (number, built) in garments.iter_mut().enumerate() {
         built.trims = written.trims.iter().filter(|trim| trim.garment == number).cloned().collect();

@@ -1,6 +1,7 @@
 //! `usdtailor drive`.
 
 use super::process::folders::MadeFolders;
+use super::process::memory;
 use super::text::{Wording, print_warnings};
 use super::{Output, choice};
 use clap::Args;
@@ -42,6 +43,9 @@ pub struct Drive {
     /// Overwrite an existing output
     #[arg(long)]
     force: bool,
+    /// Largest shot to write, such as 20G [default: 1,000 times the cache on the disk, and at least 1G]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse)]
+    max_size: Option<u64>,
     /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<usize>,
@@ -80,6 +84,7 @@ pub fn run(args: &Drive) -> Result<Output, Error> {
         clips: args.clips,
         gaps: args.gaps,
         force: args.force,
+        max_size: args.max_size,
     };
     let bar = bar(args.quiet);
     let start = Instant::now();

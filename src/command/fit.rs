@@ -5,6 +5,7 @@ mod shown;
 
 use super::process::folders::{MadeFolders, is_folder};
 use super::process::memory;
+use super::strict::Strictness;
 use super::text::{print_error, print_warnings};
 use super::{Inputs, Limits, Output, report, usage};
 use clap::Args;
@@ -19,12 +20,9 @@ use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::meter::{PassedLimit, within_limit};
 use tailor_usd::session::{OpenGarment, fit_options};
 use tailor_usd::{
-    BodyChoice, BoundTrim, BuildRecord, Format, ReadOptions, Source, WriteOptions, body_of, check_target,
+    BodyChoice, BoundTrim, BuildRecord, Format, HeldOutput, ReadOptions, Source, WriteOptions, body_of, check_target,
     stage_to_garment, write_bodies, write_fitted,
 };
-
-/// The name of a report that is printed.
-const STDOUT: &str = "-";
 
 #[derive(Args)]
 pub struct Fit {
@@ -66,15 +64,19 @@ pub struct Fit {
     /// Write crossings, distances, lengths and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
-    /// Fail where a warning is more than a note, and write nothing then
-    #[arg(long, help_heading = "Output")]
-    strict: bool,
+    #[command(flatten)]
+    strictness: Strictness,
 }
 
 impl Fit {
     /// The options of reading.
     pub fn inputs(&self) -> &Inputs {
         &self.inputs
+    }
+
+    /// The warnings that are errors.
+    pub fn strictness(&self) -> &Strictness {
+        &self.strictness
     }
 }
 
@@ -83,6 +85,8 @@ struct Task {
     input: PathBuf,
     to: PathBuf,
     output: PathBuf,
+    /// Where a lone output waits for the report.
+    held: Option<HeldOutput>,
 }
 
 /// A garment that fits.
@@ -119,29 +123,28 @@ impl Results {
 
 /// Fits each garment to each body.
 pub fn run(command: &Fit) -> Result<Output, Error> {
-    let prints_report = command.report.as_deref() == Some(Path::new(STDOUT));
-    let report_file = command.report.as_deref().filter(|_| !prints_report);
-    if let Some(file) = report_file {
-        report::check_target(file, command.force)?;
-    }
+    let prints_report = command.report.as_deref().is_some_and(report::is_printed);
     memory::hold(command.limits.max_memory);
-    let tasks = tasks(command)?;
+    let mut tasks = tasks(command)?;
+    if tasks.len() == 1 || command.variant_set.is_some() {
+        tasks[0].held = command.report.as_ref().map(|_| HeldOutput::default());
+    }
     // Kept to the end, when it goes again if nothing is in it.
     let _made = if has_folder(command, tasks.len()) { Some(MadeFolders::new(&command.output)?) } else { None };
+    let report_file = command.report.as_deref().filter(|_| !prints_report);
+    let reserve = |file| report::reserve(file, command.force, command.inputs.quiet);
+    let _turn = report_file.map(reserve).transpose()?;
     let Results { text, mut reports, code } = match &command.variant_set {
         Some(set) => as_variants(command, &tasks, set)?,
         None => apart(command, &tasks)?,
     };
     let all = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "fits": reports }) };
     let all = report::pretty(&all)?;
-    if let Some(file) = report_file {
+    if let Some(file) = &command.report {
         report::write(file, &all, command.force)?;
+        tasks.iter().filter_map(|task| task.held.as_ref()).try_for_each(|held| report::release(file, held))?;
     }
-    let text = match (prints_report, command.inputs.quiet) {
-        (true, _) => all,
-        (false, true) => String::new(),
-        (false, false) => text,
-    };
+    let text = if prints_report || command.inputs.quiet { String::new() } else { text };
     Ok(Output { text, code })
 }
 
@@ -216,7 +219,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
             return Err(fault.remedy("write to another file; bodies are never changed"));
         }
         if known.insert((output.clone(), command.variant_set.is_some().then(|| body.clone()))) {
-            return Ok(Task { input: input.clone(), to: to.clone(), output });
+            return Ok(Task { input: input.clone(), to: to.clone(), output, held: None });
         }
         let what = match command.variant_set {
             Some(_) => format!("two variants would be named {body}"),
@@ -256,7 +259,7 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
             "bodyPrim": command.body_prim,
             "rigid": command.rigid,
             "keepLength": command.keep_length,
-            "strict": command.strict,
+            "strictness": command.strictness,
         },
     });
     Ok(request.to_string())
@@ -266,7 +269,7 @@ fn request(command: &Fit, task: &Task) -> Result<String, Error> {
 fn fit_one(command: &Fit, task: &Task) -> Result<Vec<Done>, Error> {
     let (mut garments, record) = fit_to(command, task)?;
     let write = |options: &WriteOptions| write_fitted(&sources(&garments), &task.output, options);
-    let (trims, warnings) = strictly(command, record, write)?;
+    let (trims, warnings) = strictly(command, task, record, write)?;
     add_trims(&mut garments, trims);
     add_warnings(&mut garments, warnings);
     Ok(garments)
@@ -289,7 +292,7 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
         names.iter().zip(garments).map(|(name, garments)| BodyChoice { name, garments }).collect();
     let record = BuildRecord::of_all(records);
     let write = |options: &WriteOptions| write_bodies(set, &choices, &first.output, options);
-    let (trims, warnings) = strictly(command, record, write)?;
+    let (trims, warnings) = strictly(command, first, record, write)?;
     // The first choice is the garment as it is.
     all.iter_mut().zip(trims.into_iter().skip(1)).for_each(|(garments, trims)| add_trims(garments, trims));
     if let Some(last) = all.last_mut() {
@@ -321,12 +324,14 @@ fn add_warnings(garments: &mut [Done], warnings: Warnings) {
 /// Writes a layer. If warnings are errors, a rehearsal finds them before anything is written.
 fn strictly<T>(
     command: &Fit,
+    task: &Task,
     record: BuildRecord,
     write: impl Fn(&WriteOptions) -> Result<(T, Warnings), Error>,
 ) -> Result<(T, Warnings), Error> {
-    let options = WriteOptions { force: command.force, record: Some(record), ..WriteOptions::default() };
-    if command.strict {
-        write(&WriteOptions { dry_run: true, ..options.clone() })?.1.strict()?;
+    let (record, held) = (Some(record), task.held.clone());
+    let options = WriteOptions { force: command.force, record, held, ..WriteOptions::default() };
+    if command.strictness.is_any() {
+        command.strictness.check(&write(&WriteOptions { dry_run: true, ..options.clone() })?.1)?;
     }
     write(&options)
 }
@@ -355,9 +360,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
     let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
-    if command.strict {
-        garments.iter().try_for_each(|done| done.warnings.strict())?;
-    }
+    garments.iter().try_for_each(|done| command.strictness.check(&done.warnings))?;
     Ok((garments, record))
 }
 

@@ -18,13 +18,13 @@ use std::path::{Path, PathBuf};
 use tailor::sets::ListedSet;
 use tailor_costume::trim::Ride;
 use tailor_costume::{Builder, Plan, Recipe};
-use tailor_mesh::error::{Error, ErrorKind, Fault, Severity, Warnings};
+use tailor_mesh::error::{Error, ErrorKind, Fault, Warnings};
 use tailor_mesh::options::{Domain, Given};
 use tailor_mesh::units::in_words;
 use tailor_mesh::{Mesh, PrimvarRole};
 use tailor_usd::session::OpenGarment;
 use tailor_usd::{
-    BuildRecord, Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names,
+    BuildRecord, Facts, ProductRole, Selection, Source, Stale, TailorPayloads, check_product_names, product_names,
     tailor_payloads, type_word,
 };
 
@@ -51,7 +51,7 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
         if let Some(made) = &made {
             found.json["made"] = made.json();
         }
-        if args.strict { found.warnings.strict() } else { Ok(()) }
+        args.strictness.check(&found.warnings)
     })
 }
 
@@ -165,9 +165,7 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             }
         }
         is_fresh &= has_own;
-        if args.strict {
-            found.warnings.strict()?;
-        }
+        args.strictness.check(&found.warnings)?;
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
             for (prim, recipe) in &recipes {
@@ -196,18 +194,10 @@ fn free_names(garments: &[OpenGarment]) -> Result<(), Error> {
 
 /// Whether the stage has products of this program, which are what a build would make again.
 fn fresh(source: &Source) -> Result<bool, Error> {
-    let records = BuildRecord::in_use(source)?;
-    for (layer, record) in &records {
-        let mut changes = record.changes(layer)?;
-        if record.prim() == source.prim() {
-            changes.extend(record.variant_changes(source));
-        }
-        if !changes.is_empty() {
-            let fault = Error::new(ErrorKind::Usd, layer.display(), format!("stale: {}", changes.join("; ")));
-            return Err(fault.code(codes::STALE_OUTPUT).remedy("build it again, with --force"));
-        }
-    }
-    Ok(!records.is_empty())
+    let Some(stale) = BuildRecord::stale_in_use(source)? else { return Ok(false) };
+    let Some(Stale { output, changes }) = stale else { return Ok(true) };
+    let fault = Error::new(ErrorKind::Usd, output.display(), format!("stale: {}", changes.join("; ")));
+    Err(fault.code(codes::STALE_OUTPUT).remedy("build it again, with --force"))
 }
 
 /// The findings about an input.
@@ -232,11 +222,11 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         let mut found = Found { payloads, ..Found::default() };
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
-        // The error has what is more than a note.
+        // The error has those that are refused.
         let is_strict_fault = |fault: &Fault| fault.code == tailor_mesh::codes::STRICT_WARNING;
         let is_strict = result.as_ref().is_err_and(|error| error.faults.iter().any(is_strict_fault));
         let warnings = found.warnings.worst_first().into_iter();
-        let warnings = warnings.filter(|warning| !is_strict || warning.severity == Severity::Note);
+        let warnings = warnings.filter(|warning| !is_strict || !args.strictness.refuses(warning));
         let wording = if args.json { Wording::Silent } else { inputs.wording() };
         text::print_warnings(warnings, wording, several.then_some(&file));
         if let Err(error) = &result {

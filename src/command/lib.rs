@@ -12,6 +12,7 @@ mod process;
 mod program;
 mod report;
 mod sets;
+mod strict;
 mod text;
 mod variants;
 
@@ -26,6 +27,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use strict::Strictness;
 use tailor_costume::DEFAULT_MAX_FACES;
 use tailor_costume::recipe::RecipeFile;
 use tailor_mesh::error::{Error, ErrorKind, plain};
@@ -175,9 +177,8 @@ struct Build {
     /// expressions
     #[arg(long, value_name = "WHICH", default_value = "authored", value_parser = choice::<SetChoice>(["none", "authored", "all"]), help_heading = "Output")]
     sets: SetChoice,
-    /// Fail where a warning is more than a note, and write nothing then
-    #[arg(long, help_heading = "Output")]
-    strict: bool,
+    #[command(flatten)]
+    strictness: Strictness,
     /// Say what would be written, and write nothing
     #[arg(long, help_heading = "Output", conflicts_with_all = ["report", "skip_fresh"])]
     dry_run: bool,
@@ -213,9 +214,8 @@ struct ExamineArgs {
     inputs: Inputs,
     #[command(flatten)]
     limits: Limits,
-    /// Fail where a warning is more than a note
-    #[arg(long, help_heading = "Run")]
-    strict: bool,
+    #[command(flatten)]
+    strictness: Strictness,
     /// Print one JSON object instead of text
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -259,11 +259,11 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         pool.map_err(Error::no_thread)?;
     }
     match &cli.command {
-        Command::Build(build) => build::run(build),
+        Command::Build(build) => build.strictness.check_codes().and_then(|()| build::run(build)),
         Command::Drive(drive) => drive::run(drive),
-        Command::Fit(fit) => fit::run(fit),
-        Command::Info(args) => info::info(args),
-        Command::Check(args) => info::check(args),
+        Command::Fit(fit) => fit.strictness().check_codes().and_then(|()| fit::run(fit)),
+        Command::Info(args) => args.strictness.check_codes().and_then(|()| info::info(args)),
+        Command::Check(args) => args.strictness.check_codes().and_then(|()| info::check(args)),
         Command::Sets(sets) => sets::run(sets),
         Command::Example(example) => example::run(example),
         Command::Explain(explain) => explain::run(explain),

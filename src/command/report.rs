@@ -6,10 +6,10 @@ use super::usage;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use tailor_mesh::error::{Error, plain};
-use tailor_usd::{BoundTrim, warning_json, write_whole};
+use tailor_usd::{BoundTrim, HeldOutput, OutputLock, warning_json, write_whole};
 
 /// Checks that a report may be written to `file`, before the build starts.
 ///
@@ -58,22 +58,66 @@ pub fn pretty(json: &Value) -> Result<String, Error> {
     Ok(text + "\n")
 }
 
-/// Writes a report atomically: the file is complete or absent. A link is replaced, so its target does not change.
+/// As [`check_target`], for a run that has the report to itself: it waits for another that writes it. None for a device.
+///
+/// # Errors
+/// As [`check_target`], and a folder that cannot be written to.
+pub fn reserve(file: &Path, force: bool, quiet: bool) -> Result<Option<OutputLock>, Error> {
+    check_target(file, force)?;
+    if is_device(file) {
+        return Ok(None);
+    }
+    let waits = || {
+        if !quiet {
+            let _ = writeln!(io::stderr(), "waiting for another run that writes {}", file.display());
+        }
+    };
+    let lock = OutputLock::new(file, waits).map_err(|e| cannot_write(file, e))?;
+    check_target(file, force)?;
+    Ok(Some(lock))
+}
+
+/// Writes a report atomically: the file is complete or absent. The target of a link is replaced, not the link.
 ///
 /// # Errors
 /// A folder without write permission; a full disk; without `force`, a file that came up in the meantime.
 pub fn write(file: &Path, text: &str, force: bool) -> Result<(), Error> {
+    if is_printed(file) {
+        let mut out = io::stdout();
+        return out.write_all(text.as_bytes()).and_then(|()| out.flush()).or_else(|e| match e.kind() {
+            // The reader has read enough.
+            io::ErrorKind::BrokenPipe => Ok(()),
+            _ => Err(cannot_write(Path::new("standard output"), e)),
+        });
+    }
     let written = if is_device(file) { fs::write(file, text) } else { write_whole(file, text.as_bytes(), force) };
-    written.map_err(|e| {
-        if e.kind() == io::ErrorKind::AlreadyExists {
-            return exists_already(file);
-        }
-        let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
-        fault
-            .code(tailor_usd::codes::WRITE_FAILED)
-            .remedy("check the folder's permissions and the space on its disk")
-            .caused_by(e)
+    written.map_err(|e| match e.kind() {
+        io::ErrorKind::AlreadyExists => exists_already(file),
+        _ => cannot_write(file, e),
     })
+}
+
+/// Gives an output its name after its report. Without the output, there is no report of it.
+///
+/// # Errors
+/// As [`HeldOutput::release`].
+pub fn release(file: &Path, held: &HeldOutput) -> Result<(), Error> {
+    held.release().inspect_err(|_| {
+        if !is_printed(file) && !is_device(file) {
+            let _ = fs::remove_file(file);
+        }
+    })
+}
+
+/// Whether a report goes to standard output.
+pub fn is_printed(file: &Path) -> bool {
+    file == Path::new("-")
+}
+
+fn cannot_write(file: &Path, e: io::Error) -> Error {
+    let remedy = "check the folder's permissions and the space on its disk; --skip-fresh leaves outputs that are there";
+    let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
+    fault.code(tailor_usd::codes::WRITE_FAILED).remedy(remedy).caused_by(e)
 }
 
 fn exists_already(file: &Path) -> Error {

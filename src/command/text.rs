@@ -3,6 +3,7 @@
 use super::build::{Built, Outcome, Task, level_lines};
 use clap::builder::styling::AnsiColor;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -45,17 +46,20 @@ pub enum Wording {
 
 /// Writes warnings to standard error, prefixed with `input` if it is one of several.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, wording: Wording, input: Option<&PathBuf>) {
-    let line = |warning: &'a Warning| (warning.code.name(), warning.headline(), warning.remedy.as_str());
+    let line = |warning: &'a Warning| {
+        let headline = format!("{} ({})", warning.headline(), warning.severity);
+        (warning.code.name(), headline, warning.remedy.as_str())
+    };
     print_lines(warnings.into_iter().map(line), wording, input);
 }
 
 /// As [`print_warnings`], those that the record of an output has.
 pub fn print_earlier<'a>(warnings: &'a [Value], wording: Wording, input: Option<&PathBuf>) {
     let line = |warning: &'a Value| {
-        let [code, message, remedy] =
-            ["code", "message", "remedy"].map(|key| warning[key].as_str().unwrap_or_default());
+        let [code, severity, message, remedy] =
+            ["code", "severity", "message", "remedy"].map(|key| warning[key].as_str().unwrap_or_default());
         let headline = message.strip_suffix(remedy).map_or(message, |line| line.trim_end_matches(". "));
-        (code, headline.to_owned(), remedy)
+        (code, format!("{headline} ({severity})"), remedy)
     };
     print_lines(warnings.iter().map(line), wording, input);
 }
@@ -133,15 +137,22 @@ fn planned(outcome: &Outcome) -> Option<&str> {
 fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
     let names: Vec<String> = tasks.iter().map(|task| task.input.display().to_string()).collect();
     let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-    let mut t = format!("{:width$}  result  {:>9}  {:>9}  {:>8}\n", "input", "triangles", "faces", "seconds");
+    let mut t = format!(
+        "{:width$}  result  {:>9}  {:>9}  {:>8}  faults  quality  notes\n",
+        "input", "triangles", "faces", "seconds"
+    );
     let mut counts = [0; 3];
     for (name, outcome) in names.iter().zip(outcomes) {
         let (at, row) = match outcome {
             Outcome::Built(s) => {
                 let [sim, render] = s.faces;
-                (0, format!("built   {sim:>9}  {render:>9}  {:>8.2}", s.seconds))
+                let warnings = in_columns(s.warnings.iter().map(|warning| warning.severity.to_string()));
+                (0, format!("built   {sim:>9}  {render:>9}  {:>8.2}{warnings}", s.seconds))
             }
-            Outcome::Fresh(_) => (1, "fresh".to_owned()),
+            Outcome::Fresh(warnings) => {
+                let of = |warning: &Value| warning["severity"].as_str().unwrap_or_default().to_owned();
+                (1, format!("fresh   {:30}{}", "", in_columns(warnings.iter().map(of))))
+            }
             Outcome::Failed(_) => (2, "failed".to_owned()),
             Outcome::Planned { .. } => continue,
         };
@@ -152,6 +163,14 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
     let [built, fresh, failed] = counts;
     let _ = writeln!(t, "{} inputs: {built} built, {fresh} fresh, {failed} failed", tasks.len());
     t
+}
+
+/// The numbers of warnings of each severity, as columns of the table.
+fn in_columns(severities: impl Iterator<Item = String>) -> String {
+    let mut counts = BTreeMap::new();
+    severities.for_each(|severity| *counts.entry(severity).or_insert(0) += 1);
+    let count = |severity| counts.get(severity).copied().unwrap_or(0);
+    format!("  {:>6}  {:>7}  {:>5}", count("fault"), count("quality"), count("note"))
 }
 
 /// The summary of each garment of an input, at most one screen. Several are distinguished by their paths.
@@ -217,7 +236,8 @@ fn summary(built: &Built, verbose: bool) -> String {
     }
     let operators = &products.operators;
     if !operators.is_empty() {
-        let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
+        let s = if operators.len() == 1 { "" } else { "s" };
+        let _ = writeln!(t, "          {} operator{s}: {}", operators.len(), operators.join(", "));
     }
     t += &level_lines(built);
     if let Some(figures) = &built.cloth {

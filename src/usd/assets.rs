@@ -189,12 +189,12 @@ pub fn unreadable(path: &str) -> Option<&'static str> {
     }
 }
 
-/// An asset path, unless OpenUSD could not read it back.
+/// The asset path of a layer, unless OpenUSD could not open the layer by it.
 ///
 /// # Errors
-/// A path that is [`unwritable`].
+/// A path that is [`unreadable`].
 pub fn writable(path: String) -> Result<String, Error> {
-    let Some(what) = unwritable(&path) else { return Ok(path) };
+    let Some(what) = unreadable(&path) else { return Ok(path) };
     Err(Error::usd(format!("{path:?} has {what} in its name, which a USD file cannot refer to"))
         .remedy("rename the file or its folder"))
 }

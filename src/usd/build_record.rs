@@ -1,6 +1,6 @@
 //! The sources of an output: `build` writes them into the layer, so that a later run can tell whether the output is fresh.
 
-use super::assets::{Anchor, as_named, file_path};
+use super::assets::{Anchor, as_named, file_path, normalized};
 use super::read::{Files, OrUnreadable, Selection, Source, VariantSet};
 use super::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
@@ -41,6 +41,29 @@ pub fn warning_json(warning: &Warning) -> Json {
     let mut json = serde_json::to_value(warning).unwrap_or_default();
     json["message"] = Json::String(warning.to_string());
     json
+}
+
+/// An output that is stale.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stale {
+    /// The output.
+    pub output: PathBuf,
+    /// Why a build would write something else.
+    pub changes: Vec<String>,
+}
+
+/// The first stale output of some with their records. `more` adds to the changes of one.
+fn first_stale(
+    records: impl IntoIterator<Item = (PathBuf, BuildRecord)>,
+    more: impl Fn(&BuildRecord) -> Vec<String>,
+) -> Result<Option<Stale>, Error> {
+    for (output, record) in records {
+        let changes: Vec<String> = record.changes(&output)?.into_iter().chain(more(&record)).collect();
+        if !changes.is_empty() {
+            return Ok(Some(Stale { output, changes }));
+        }
+    }
+    Ok(None)
 }
 
 /// The size of a file and the hash of its content.
@@ -140,7 +163,7 @@ impl BuildRecord {
     ///
     /// # Errors
     /// A stage that can no longer be opened.
-    pub fn in_use(source: &Source) -> Result<Vec<(PathBuf, Self)>, Error> {
+    fn in_use(source: &Source) -> Result<Vec<(PathBuf, Self)>, Error> {
         on_large_stack(|| {
             let stage = source.model.origin.open()?;
             let of_layer = |id: &String| {
@@ -174,16 +197,37 @@ impl BuildRecord {
 
     /// The record of the output `out`, if this program made it by the same request, and would make it so again.
     pub fn fresh(out: &Path, request: &str) -> Option<Self> {
-        let is_same = |record: &Self| record.request == request && record.changes(out).is_ok_and(|all| all.is_empty());
-        Self::of(out).filter(is_same)
+        Self::of(out).filter(|record| record.request == request && record.stale(out).is_ok_and(|stale| stale.is_none()))
+    }
+
+    /// The first stale output among `out` with this record and the outputs that it was made of, and why it is stale.
+    ///
+    /// # Errors
+    /// A folder that is gone.
+    pub fn stale(&self, out: &Path) -> Result<Option<Stale>, Error> {
+        let folder = folder(out)?;
+        let below = self.files.keys().map(|file| normalized(&folder.join(file)));
+        let below = below.filter_map(|file| Self::of(&file).map(|record| (file, record)));
+        let all = std::iter::once((out.to_path_buf(), self.clone())).chain(below);
+        first_stale(all, |_| Vec::new())
+    }
+
+    /// The first stale output among the layers in use by a garment's stage; none where no layer is an output. An output that is
+    /// selected by other variants than it was made for is stale too.
+    ///
+    /// # Errors
+    /// A stage that can no longer be opened.
+    pub fn stale_in_use(source: &Source) -> Result<Option<Option<Stale>>, Error> {
+        let records = Self::in_use(source)?;
+        let of_variants = |record: &Self| {
+            if record.prim == source.prim() { record.variant_changes(source) } else { Vec::new() }
+        };
+        if records.is_empty() { Ok(None) } else { first_stale(records, of_variants).map(Some) }
     }
 
     /// Why the output `out` with this record is stale, in words; empty if a build with the same options would write it
     /// again.
-    ///
-    /// # Errors
-    /// A folder that is gone.
-    pub fn changes(&self, out: &Path) -> Result<Vec<String>, Error> {
+    fn changes(&self, out: &Path) -> Result<Vec<String>, Error> {
         let folder = folder(out)?;
         let (mut changes, mut left) = (Vec::new(), MAX_HASHED);
         if self.version != VERSION {
@@ -200,10 +244,12 @@ impl BuildRecord {
     }
 
     /// The variants that are selected now and were not when the output was made; `source` is the mesh as the output shows
-    /// it.
-    pub fn variant_changes(&self, source: &Source) -> Vec<String> {
-        let now = selections(&source.facts().variants);
-        let other = now.into_iter().filter(|selection| !self.variants.contains(selection));
+    /// it. Sets that the output was made without are of layers over its inputs.
+    fn variant_changes(&self, source: &Source) -> Vec<String> {
+        let of_set = |selection: &str| selection.rsplit_once('=').map(|(set, _)| format!("{set}="));
+        let is_known = |set: String| self.variants.iter().any(|made| made.starts_with(&set));
+        let now = selections(&source.facts().variants).into_iter();
+        let other = now.filter(|now| of_set(now).is_some_and(is_known) && !self.variants.contains(now));
         other.map(|selection| format!("it is not made for {selection}")).collect()
     }
 

@@ -20,7 +20,7 @@ mod write;
 
 pub use assets::relative;
 pub use body::{body_of, stage_to_garment};
-pub use build_record::{BuildRecord, warning_json};
+pub use build_record::{BuildRecord, Stale, warning_json};
 pub use read::Look;
 pub use read::{
     Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source,
@@ -31,9 +31,9 @@ pub use shot::{DriveOptions, Driven, drive};
 pub use values::decimal;
 pub use values::type_word;
 pub use write::{
-    BodyChoice, BoundTrim, Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions,
-    Written, check_name, check_product_names, check_target, layer_bytes, remove_unfinished, write, write_all,
-    write_bodies, write_fitted, write_sets, write_whole,
+    BodyChoice, BoundTrim, Format, GarmentProducts, HeldOutput, OutputLock, Product, ProductRole, SetChoice,
+    Surroundings, WriteOptions, Written, check_name, check_product_names, check_target, layer_bytes, remove_unfinished,
+    write, write_all, write_bodies, write_fitted, write_sets, write_whole,
 };
 pub use write::{
     EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside, write_recipe,

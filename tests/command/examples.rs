@@ -50,6 +50,15 @@ fn an_example_replaces_no_other_file() {
     assert_eq!(folder.text("out/tshirt.tailor"), "{}");
     folder.good("example tshirt -o out --force");
     assert_eq!(folder.text("out/tshirt.tailor"), shipped("examples/tshirt.tailor"));
+    #[cfg(unix)]
+    {
+        std::fs::remove_file(folder.at("out/tshirt.tailor")).expect("a file");
+        folder.file("precious.tailor", "{}");
+        std::os::unix::fs::symlink("../precious.tailor", folder.at("out/tshirt.tailor")).expect("a link");
+        let run = folder.run("example tshirt -o out --force");
+        assert_eq!((run.code, folder.text("precious.tailor").as_str()), (Some(1), "{}"), "{run}");
+        run.says(&["out/tshirt.tailor is a link to another file", "remove the link"]);
+    }
     let run = folder.run("example thsirt");
     assert_eq!(run.code, Some(2), "{run}");
     run.says(&["there is no example \"thsirt\"", "did you mean tshirt?"]);
@@ -65,5 +74,5 @@ fn the_layer_of_the_documents_gives_an_edge_set() {
     folder.good("info coat_sets.usda").prints(&["subset   side_seam of 2 edges, family edges"]);
     let line = page.lines().find(|line| line.starts_with("Then build the layer: ")).expect("the command");
     let command = line.split('`').nth(1).and_then(|text| text.strip_prefix("usdtailor ")).expect("a command");
-    folder.good(command).prints(&["1 operators: seam.side"]);
+    folder.good(command).prints(&["1 operator: seam.side"]);
 }

@@ -47,7 +47,7 @@ fn bad(folder: &Folder, args: &str) -> Run {
     run
 }
 
-fn with_sleeve() -> Folder {
+pub fn with_sleeve() -> Folder {
     let folder = Folder::new();
     folder.file("in.usda", sheet(4, 0.3, 1.0, ""));
     folder.file("a.usda", sheet(6, 0.0, 1.0, &uvs(6, "texCoord2f", "faceVarying")));

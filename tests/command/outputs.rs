@@ -209,3 +209,49 @@ fn a_strict_build_writes_nothing_where_there_is_more_than_a_note() {
     folder.good("check out/coat.usda --strict").prints(&["good, and fresh"]);
     folder.good("build warned.usda -o out/warned.usda").says(&["warning[not-carried]"]);
 }
+
+/// An output and its report come together, or not at all.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_report_that_cannot_be_written_leaves_no_output() {
+    let folder = crate::fit::with_sleeve();
+    for command in ["build in.usda", "fit in.usda --from a.usda --to b.usda"] {
+        let run = folder.run(&format!("{command} -o out/coat.usda --report /dev/full"));
+        assert_eq!(run.code, Some(1), "{run}");
+        run.says(&["error[write-failed]: cannot write report /dev/full: the disk is full"]);
+        let run =
+            folder.run_in_shell("\"$@\" > /dev/full", &format!("{command} -o out/coat.usda --report - --force -q"));
+        assert_eq!(run.code, Some(1), "{run}");
+        run.says(&["cannot write report standard output: the disk is full"]);
+        assert!(folder.written().is_empty(), "{:?}", folder.written());
+        folder.good(&format!("{command} -o out/coat.usda --report out/coat.json"));
+        assert_eq!(folder.written(), ["coat.json", "coat.usda"]);
+        let before = folder.snapshot();
+        folder.run(&format!("{command} -o out/coat.usda --report /dev/full --force"));
+        assert_eq!(folder.snapshot(), before, "an earlier output stays");
+        for file in ["out/coat.json", "out/coat.usda"] {
+            std::fs::remove_file(folder.at(file)).expect("a file");
+        }
+    }
+}
+
+#[test]
+fn warnings_are_refused_by_their_code_too() {
+    let folder = with_cloth();
+    folder.file("warned.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
+    let code = |args: &str| folder.run(&format!("build warned.usda -o out/coat.usda --force {args}")).code;
+    let notes = "--set sim.maxEdgeLength=0.1";
+    assert_eq!(code(notes), Some(0));
+    for (args, expected) in [
+        ("--strict", Some(1)),
+        ("--strict --allow not-carried", Some(0)),
+        ("--deny not-carried", Some(1)),
+        ("--deny narrow-seam", Some(0)),
+        ("--deny not-carried --allow not-carried", Some(1)),
+    ] {
+        assert_eq!(code(&format!("{notes} {args}")), expected, "{args}");
+    }
+    let run = folder.run("check warned.usda --deny not-caried");
+    assert_eq!(run.code, Some(2), "{run}");
+    run.says(&["--deny not-caried: no warning has this code", "did you mean not-carried?"]);
+}

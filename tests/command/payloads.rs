@@ -49,7 +49,7 @@ fn options_below_a_payload_are_named_with_their_place() {
         let run = folder.run(&format!("{command} shot.usda -v"));
         run.says(&[
             "warning[misplaced-option]: /Shot/Coat/model.tailor:render:level: not read: it is below /Shot/Coat, whose payload is \
-             coat.tailor\n  hint: Author it on /Shot/Coat\n",
+             coat.tailor (fault)\n  hint: Author it on /Shot/Coat\n",
             "/Shot/Coat/model.tailor:seam:side:edges: not read",
             "Author it on /Shot/Coat as token[] with the names of the sets, with the schema TailorSeamAPI:side\n",
             "/Shot/Coat/model.tailor:seam:side:width: not read",

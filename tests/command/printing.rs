@@ -118,9 +118,10 @@ fn the_report_has_counts_figures_times_and_warnings() {
     let warnings = report["warnings"].as_array().expect("warnings");
     assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");
     for warning in warnings {
-        let [code, message, remedy] = ["code", "message", "remedy"].map(|key| warning[key].as_str().expect("a text"));
+        let [code, severity, message, remedy] =
+            ["code", "severity", "message", "remedy"].map(|key| warning[key].as_str().expect("a text"));
         let headline = message.strip_suffix(&format!(". {remedy}")).expect("the remedy is the end of the message");
-        run.says(&[&format!("warning[{code}]: {headline}\n  hint: {remedy}\n")]);
+        run.says(&[&format!("warning[{code}]: {headline} ({severity})\n  hint: {remedy}\n")]);
     }
     folder.good("build in.usda odd.usda -o out --report out/both.json");
     let both: Value = serde_json::from_slice(&folder.read("out/both.json")).expect("JSON");
@@ -209,6 +210,46 @@ fn a_closed_pipe_is_no_error() {
         assert!(!run.stdout.contains("error"), "{run}");
     }
     assert_eq!(folder.written(), ["coat.usda"]);
+}
+
+#[test]
+fn severities_are_in_the_text_and_in_the_table() {
+    let folder = with_cloth();
+    folder.file("warned.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
+    let run = folder.good("build in.usda warned.usda -o out --set sim.maxEdgeLength=0.1");
+    run.says(&["warning[not-carried]: warned.usda: tailor:sim:stretch: not carried"]);
+    let line = run.stderr.lines().find(|line| line.contains("tailor:sim:stretch")).expect("a warning");
+    assert!(line.ends_with(" (fault)"), "{line}");
+    for flags in ["", "--skip-fresh"] {
+        let run = folder.good(&format!("build in.usda warned.usda -o out --force --set sim.maxEdgeLength=0.1 {flags}"));
+        let numbers = |name: &str| -> Vec<String> {
+            let line = run.stdout.lines().find(|line| line.starts_with(name)).expect("a line of the table");
+            line.split_whitespace().rev().take(3).map(str::to_owned).collect()
+        };
+        let [plain, warned] = ["in.usda", "warned.usda"].map(numbers);
+        assert_eq!((&plain[2][..], &warned[2][..]), ("0", "1"), "{run}");
+        assert_eq!(plain[..2], warned[..2], "{run}");
+        run.prints(&["faults  quality  notes"]);
+    }
+}
+
+#[test]
+fn slips_are_answered_shortly() {
+    let folder = with_cloth();
+    folder.file("typo.tailor", "{\"sim\": {\"maxEdgeLenth\": 2}}");
+    for (args, words) in [
+        ("--set sim.maxEdgeLenth=2", "did you mean sim.maxEdgeLength? the options of sim are maxEdgeLength,"),
+        ("--set simm.x=2", "options begin with sim, render, cloth"),
+        ("--recipe typo.tailor", "unknown field `maxEdgeLenth`, did you mean `maxEdgeLength`? at line 1 column"),
+        ("--set sim.maxEdgeLength=4yd", "a number with mm, cm, m, in, inch or ft"),
+        ("--set sim.maxEdgeLength=-4mm", "\"-4mm\" is negative"),
+    ] {
+        let run = folder.run(&format!("check in.usda {args}"));
+        assert!(run.code != Some(0) && run.stderr.lines().all(|line| line.len() < 500), "{run}");
+        run.says(&[words]);
+    }
+    folder.run("check inn.usda").says(&["no such file", "did you mean in.usda?"]);
+    folder.good("check in.usda --set sim.maxEdgeLength=4inch");
 }
 
 #[test]

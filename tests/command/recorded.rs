@@ -123,3 +123,32 @@ fn another_prim_is_not_described_by_the_build() {
     assert_eq!(recipe(&folder, "out/coat.usda --prim /Coat/model")["render"]["level"], 1);
     assert_eq!(recipe(&folder, "out/coat.usda --prim /Other/model")["render"]["level"], 2);
 }
+
+/// `check`, `info` and `--skip-fresh` are of one mind about an output that was built over another.
+#[test]
+fn an_output_over_another_is_fresh_until_one_of_them_is_stale() {
+    for (fit, build) in [("--variant-set body", "--variants body"), ("", "--lods 3"), ("", "")] {
+        let folder = crate::fit::with_sleeve();
+        let fit = format!("fit in.usda --from a.usda --to b.usda -o out/fitted.usda {fit}");
+        let build = format!("build out/fitted.usda -o out/coat.usda --force {build}");
+        folder.good(&fit);
+        folder.good(&build);
+        folder.good("check out/coat.usda").prints(&["good, and fresh"]);
+        folder.good("check out/fitted.usda").prints(&["good, and fresh"]);
+        folder.good("info out/coat.usda").prints(&["; fresh"]);
+        folder.good(&format!("{build} --skip-fresh")).prints(&["out/coat.usda: fresh"]);
+        // The body is an input of the fit alone.
+        folder.file("b.usda", folder.text("b.usda") + "\n");
+        let run = folder.run("check out/coat.usda");
+        assert_eq!(run.code, Some(1), "{run}");
+        run.says(&["fitted.usda: stale: ../b.usda has changed", "build it again"]);
+        folder.good("info out/coat.usda").prints(&["; stale, as ", "fitted.usda is: ../b.usda has changed"]);
+        let run = folder.good(&format!("{build} --skip-fresh"));
+        assert!(!run.stdout.contains("fresh"), "{run}");
+        // The remedy helps.
+        folder.good(&format!("{fit} --force"));
+        folder.good(&format!("{build} --skip-fresh"));
+        folder.good("check out/coat.usda").prints(&["good, and fresh"]);
+        folder.good(&format!("{build} --skip-fresh")).prints(&["out/coat.usda: fresh"]);
+    }
+}

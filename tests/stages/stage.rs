@@ -149,6 +149,7 @@ const fn over_any_file(flatten: bool) -> WriteOptions {
         sets: SetChoice::All,
         lod_schema: LodSchema::Variants,
         record: None,
+        held: None,
     }
 }
 

@@ -230,6 +230,37 @@ def test_a_kill_leaves_one_of_two_shots(usdtailor, tmp_path):
     assert all(ends[count] == heights for count, heights in states), states
 
 
+def test_of_two_shots_of_clips_at_once_one_stays_whole(usdtailor, tmp_path):
+    garment, shot = tmp_path / "built.usda", tmp_path / "shot.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    for i in range(3):
+        numpy.save(tmp_path / f"{i}.npy", numpy.stack([points + [0, 0.01 * i * k, 0] for k in range(5 + 2 * i)]))
+    for _ in range(12):
+        drives = [[usdtailor, "drive", garment, "--cache", tmp_path / f"{i}.npy", "-o", shot, "--clips", "--force", "-q"] for i in range(3)]
+        processes = [subprocess.Popen(drive) for drive in drives]
+        assert [process.wait(60) for process in processes] == [0, 0, 0]
+        layer = Sdf.Layer.OpenAsAnonymous(str(shot))
+        clips = layer.GetPrimAtPath("/Coat/render").GetInfo("clips")["default"]
+        named = [*clips["assetPaths"], clips["manifestAssetPath"]]
+        there = {path.name for path in (tmp_path / "shot.clips").iterdir()}
+        assert {os.path.basename(asset.path) for asset in named} == there, "none is missing, and none is left"
+    assert not list(tmp_path.glob(".usdtailor-*"))
+
+
+def test_of_runs_on_one_report_it_is_of_the_output_that_stays(usdtailor, tmp_path):
+    source, out, report = write(tmp_path / "in.usda"), tmp_path / "out.usda", tmp_path / "report.json"
+    for _ in range(4):
+        builds = [[usdtailor, "build", source, "-o", out, "--force", "--report", report, "--set", f"render.level={level}"] for level in (1, 2, 3)]
+        processes = [subprocess.Popen(build, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) for build in builds]
+        assert [process.wait(300) for process in processes] == [0, 0, 0]
+        stage = Usd.Stage.Open(str(out))
+        stage.Reload()
+        faces = len(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/render")).GetFaceVertexCountsAttr().Get())
+        assert json.loads(report.read_text())["render"]["faces"] == faces
+    assert not list(tmp_path.glob(".usdtailor-*"))
+
+
 def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
     source = write(tmp_path / "in.usda", shape=lambda: sheet(12, 12))
     # With one report for all: it is that of the one that succeeds.
@@ -285,6 +316,22 @@ def test_any_other_name_composes(usdtailor, tmp_path, name, suffix):
     source = write(tmp_path / "in.usda").rename(tmp_path / name)
     good(usdtailor, "build", source, "-o", tmp_path / f"out{suffix}")
     assert meshes(tmp_path / f"out{suffix}") == ["model", "render", "sim"]
+
+
+@pytest.mark.parametrize("name", ["..usdc", ".a.usda", "a b.usdc", "a..usda", "a[1].usdc", "a:b.usda", "ä.usdc", "a@b.usda", "a?b#c%20.usdc", "<UDIM>.usda"])
+def test_an_output_of_any_name_opens(usdtailor, tmp_path, name):
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", tmp_path / name)
+    assert meshes(tmp_path / name) == ["model", "render", "sim"]
+
+
+@pytest.mark.parametrize("name", ["a:SDF_FORMAT_ARGS:x=y.usda", "anon:a.usda", "a\\b.usda", "a\nb.usda"])
+def test_a_name_by_which_no_program_opens_a_layer_is_refused(usdtailor, tmp_path, name):
+    source = write(tmp_path / "in.usda")
+    refused(usdtailor, "build", source, "-o", tmp_path / name, says=["in its path"])
+    assert not (tmp_path / name).exists()
+    if not name.startswith("anon:"):
+        refused(usdtailor, "build", source.rename(tmp_path / name), "-o", tmp_path / "out.usda", says=["in its name", "rename the file"])
+        assert not (tmp_path / "out.usda").exists()
 
 
 # Files that are not files.
@@ -350,6 +397,26 @@ def test_a_numpy_cache_is_bounded(usdtailor, tmp_path):
     assert (tmp_path / "cache.npz").stat().st_size < 1 << 20
     # Refused by the header: the numbers would take 600 MB.
     refused(usdtailor, *drive, tmp_path / "cache.npz", says=[f"it has {times} times", "at most 1000000"])
+
+
+def test_a_shot_is_bounded_by_its_cache(usdtailor, tmp_path):
+    garment, cache, shot = tmp_path / "built.usda", tmp_path / "cache.npy", tmp_path / "shot.usdc"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    frames = 1_000_000
+    with open(cache, "wb") as file:
+        numpy.lib.format.write_array_header_1_0(file, {"descr": "<f4", "fortran_order": False, "shape": (frames, len(points), 3)})
+        file.truncate(file.tell() + frames * points.size * 4)
+    drive = ("drive", garment, "-o", shot, "--cache")
+    done = refused(usdtailor, *drive, cache, says=["error[too-large]", f"its {frames} frames make a shot of", "--max-size"], seconds=20)
+    # What is allowed goes on to the frames themselves.
+    size = re.search(r"--max-size \S+", done.stderr).group().split()
+    refused(usdtailor, *drive, cache, *size, says=["error[cache-mismatch]"], seconds=20)
+    numpy.save(cache, numpy.stack([points] * 8))
+    refused(usdtailor, *drive, cache, "--max-size", "1k", says=["its 8 frames make a shot of"])
+    assert not shot.exists()
+    good(usdtailor, *drive, cache)
+    assert shot.stat().st_size < 1 << 20
 
 
 def test_records_are_followed_to_a_bound(usdtailor, tmp_path):

@@ -131,7 +131,7 @@ mod tests {
     use std::path::PathBuf;
 
     fn tasks(count: usize) -> Vec<Task> {
-        let task = |i: usize| Task { input: PathBuf::from(i.to_string()), output: PathBuf::new() };
+        let task = |i: usize| Task { input: PathBuf::from(i.to_string()), ..Task::default() };
         (0..count).map(task).collect()
     }
 

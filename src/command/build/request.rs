@@ -1,6 +1,7 @@
 //! The options of a build that shape its output, as its record has them.
 
 use super::super::Build;
+use super::super::strict::Strictness;
 use super::Task;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -25,8 +26,8 @@ pub struct Request {
     pub max_faces: Option<usize>,
     render_per_panel: bool,
     mark: bool,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    strict: bool,
+    #[serde(flatten)]
+    strictness: Strictness,
     sets: SetChoice,
     #[serde(skip_serializing_if = "is_default")]
     lod_schema: LodSchema,
@@ -70,7 +71,7 @@ impl Request {
             max_faces: Some(build.max_faces),
             render_per_panel: build.render_per_panel,
             mark: build.mark,
-            strict: build.strict,
+            strictness: build.strictness.clone(),
             sets: build.sets,
             lod_schema: build.lod_schema,
             variants: build.variants.clone(),

@@ -97,6 +97,10 @@ fn written(example: &ExampleFiles, folder: &Path, force: bool) -> Result<String,
         let fault = usage("", text).code(tailor_usd::codes::OUTPUT_EXISTS);
         return Err(fault.remedy("use --force to overwrite it, or -o to name another folder"));
     }
+    if let Some((name, _)) = example.files.iter().find(|(name, _)| folder.join(name).is_symlink()) {
+        let fault = usage("", format!("{} is a link to another file", folder.join(name).display()));
+        return Err(fault.code(tailor_usd::codes::OUTPUT_PATH).remedy("remove the link, or name another folder by -o"));
+    }
     let mut text = String::new();
     for (name, content) in example.files {
         let file = folder.join(name);

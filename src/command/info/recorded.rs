@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 use std::path::Path;
 use tailor_costume::DEFAULT_MAX_FACES;
 use tailor_mesh::error::Error;
-use tailor_usd::BuildRecord;
 use tailor_usd::session::{Input, is_usd};
+use tailor_usd::{BuildRecord, Stale};
 
 /// A build with its options, over which those of the command line are stronger.
 pub struct RecordedBuild {
@@ -53,8 +53,11 @@ impl RecordedBuild {
 
     /// The input and the options as on the command line, and whether the output is fresh.
     pub fn in_words(&self, file: &Path) -> Result<String, Error> {
-        let changes = self.record.changes(file)?;
-        let state = if changes.is_empty() { "fresh".to_owned() } else { format!("stale: {}", changes.join("; ")) };
+        let state = match self.record.stale(file)? {
+            None => "fresh".to_owned(),
+            Some(Stale { output, changes }) if output == file => format!("stale: {}", changes.join("; ")),
+            Some(Stale { output, changes }) => format!("stale, as {} is: {}", output.display(), changes.join("; ")),
+        };
         Ok(format!("of {}; {state}", self.request.in_words()))
     }
 

@@ -8,7 +8,7 @@ use serde_path_to_error::Segment;
 use tailor::recipe::bind_uv_set;
 use tailor::sets::split_list;
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
-use tailor_mesh::garment::units::meters_of;
+use tailor_mesh::garment::units::{UNITS, meters_of};
 use tailor_mesh::garment::{Mesh, Units};
 use tailor_mesh::options::nearest;
 
@@ -166,14 +166,21 @@ impl Layers {
         let (space, field) = dotted.split_once('.').unwrap_or((&dotted, ""));
         let Some(default) = default_of(&dotted) else {
             let likely = nearest_key(&dotted).map(|key| format!("did you mean {key}? ")).unwrap_or_default();
-            let remedy = format!("{likely}the options are {}", all_keys().join(", "));
+            let remedy = format!("{likely}{}", options_of(space));
             return Err(fault("there is no such option".into()).code(codes::UNKNOWN_OPTION).remedy(remedy));
         };
         if let Some(("", _)) = split(space, field) {
             let remedy = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
             return Err(fault(format!("the {space} has no name")).code(codes::UNKNOWN_OPTION).remedy(remedy));
         }
-        let its_default = format!("its default is {default}");
+        let its_default = match is_length(&dotted) {
+            true => format!("give mesh units, or a number with {UNITS}; its default is {default}"),
+            false => format!("its default is {default}"),
+        };
+        let is_signed = find(&dotted).is_some_and(|(_, key)| key.domain.is_signed_length());
+        if is_length(&dotted) && !is_signed && meters_of(text).is_some_and(|meters| meters < 0.0) {
+            return Err(fault(format!("\"{text}\" is negative")).remedy("give a positive length, such as 8mm"));
+        }
         let with_unit = || (is_length(&dotted) && meters_of(text).is_some()).then(|| Value::String(text.into()));
         let Some(value) = parse_like(&default, text).or_else(with_unit) else {
             return Err(fault(format!("\"{text}\" is not {}", value_type(&default).recipe)).remedy(its_default));
@@ -287,6 +294,16 @@ fn nearest_key(key: &str) -> Option<String> {
     let name = split(space, field).map_or("", |(name, _)| name);
     let keys: Vec<String> = all_keys().iter().map(|key| key.replace("<name>", name)).collect();
     nearest(key, &keys).map(str::to_owned)
+}
+
+/// The options of a group, or the groups, in words.
+fn options_of(space: &str) -> String {
+    let Some(group) = all().find(|group| group.name == space) else {
+        let groups: Vec<&str> = all().map(|group| group.name).collect();
+        return format!("options begin with {}; `usdtailor options` lists all", groups.join(", "));
+    };
+    let keys: Vec<&str> = group.keys.iter().map(|key| key.key).collect();
+    format!("the options of {space} are {}", keys.join(", "))
 }
 
 /// Whether an option is a length.

@@ -24,6 +24,7 @@ use groups::{pattern, split};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
+use tailor_mesh::options::nearest;
 
 /// The default recipe, as nested keys.
 pub fn defaults() -> Value {
@@ -144,6 +145,17 @@ fn in_words(e: &serde_json::Error) -> String {
         ("expected a map", "expected { name: { options } }"),
     ];
     let text = WORDS.iter().fold(e.to_string(), |text, (ours, theirs)| text.replace(ours, theirs));
+    if let Some(text) = suggested(&text) {
+        return text;
+    }
     let Some((before, after)) = text.split_once("expected struct ") else { return text };
     format!("{before}expected {{ options }}{}", after.trim_start_matches(char::is_alphanumeric))
+}
+/// The words about an unknown option with the known one that is nearest, in the place of the list of all; none without one.
+fn suggested(text: &str) -> Option<String> {
+    let (before, list) = text.split_once("`, expected one of ")?;
+    let (list, place) = list.split_once(" at line ")?;
+    let known: Vec<&str> = list.split(", ").map(|name| name.trim_matches('`')).collect();
+    let near = nearest(before.rsplit('`').next()?, &known)?;
+    Some(format!("{before}`, did you mean `{near}`? at line {place}"))
 }

@@ -293,18 +293,18 @@ impl Warnings {
         self.0.is_empty()
     }
 
-    /// Makes each warning that is more than a note a fault of an error.
+    /// Makes each warning that `is_refused` a fault of an error.
     ///
     /// # Errors
     /// If there is one.
-    pub fn strict(&self) -> Result<(), Error> {
+    pub fn refuse(&self, is_refused: impl Fn(&Warning) -> bool) -> Result<(), Error> {
         let fault = |warning: &Warning| Fault {
             code: codes::STRICT_WARNING,
             place: warning.place.clone(),
             text: format!("{}: {}", warning.code, warning.with_elements()),
             remedy: warning.remedy.clone(),
         };
-        let worse = self.worst_first().into_iter().filter(|warning| warning.severity < Severity::Note);
+        let worse = self.worst_first().into_iter().filter(|warning| is_refused(warning));
         let faults: Vec<Fault> = worse.map(fault).collect();
         if faults.is_empty() { Ok(()) } else { Err(Error { faults, ..Error::new(ErrorKind::Mesh, "", "") }) }
     }

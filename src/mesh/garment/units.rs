@@ -4,7 +4,10 @@ use serde::de::{Deserializer, Error, Unexpected, Visitor};
 use std::fmt;
 
 /// Units that a length may be given in, with their size. \[m\]
-const NAMED: [(&str, f64); 5] = [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("ft", 0.3048), ("m", 1.0)];
+const NAMED: [(&str, f64); 6] =
+    [("mm", 1e-3), ("cm", 1e-2), ("in", 0.0254), ("inch", 0.0254), ("ft", 0.3048), ("m", 1.0)];
+/// The same, for messages.
+pub const UNITS: &str = "mm, cm, m, in, inch or ft";
 
 /// The metres of a text such as `8mm` or `0.8 cm`; none for other texts.
 pub fn meters_of(text: &str) -> Option<f64> {
@@ -84,7 +87,13 @@ mod tests {
     #[test]
     fn lengths_have_units() {
         let near = |text: &str, meters: f64| (meters_of(text).unwrap_or(f64::NAN) - meters).abs() < 1e-12;
-        assert!(near("8mm", 0.008) && near(" 0.8 cm", 0.008) && near("1in", 0.0254) && near("-2m", -2.0));
+        assert!(
+            near("8mm", 0.008)
+                && near(" 0.8 cm", 0.008)
+                && near("1in", 0.0254)
+                && near("4 inch", 0.1016)
+                && near("-2m", -2.0)
+        );
         for text in ["8", "mm", "8 m m", "8km", "infm", "nan mm", ""] {
             assert_eq!(meters_of(text), None, "{text}");
         }

@@ -101,6 +101,11 @@ impl Domain {
         matches!(self, Self::Length { .. })
     }
 
+    /// True for lengths of either sign.
+    pub fn is_signed_length(&self) -> bool {
+        matches!(self, Self::Length { usual, .. } if usual[0] < 0.0)
+    }
+
     /// The length that 0 stands for, if it does. \[mesh units\]
     pub fn automatic_length(&self, scale: Scale) -> Option<f32> {
         let Self::Length { automatic, automatic_most, .. } = *self else { return None };

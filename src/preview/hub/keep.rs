@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use std::{env, fs, io, thread};
 use tailor_mesh::error::{Error, plain};
+use tailor_mesh::files;
 use tailor_usd::session::Input;
 use tailor_usd::write_whole;
 
@@ -66,7 +67,7 @@ impl Keeper {
         let recipe = input.recipe.as_deref().map(name).unwrap_or_default();
         let key = blake3::hash(format!("{garment}\0{}\0{recipe}\0{prim}", name(&input.file)).as_bytes());
         let file = folder.join(format!("{}.json", &key.to_hex()[..32]));
-        let earlier: Option<Content> = fs::read(&file).ok().and_then(|text| serde_json::from_slice(&text).ok());
+        let earlier: Option<Content> = files::text(&file).ok().and_then(|text| serde_json::from_str(&text).ok());
         let kept = earlier.unwrap_or_default().kept;
         let content = Content { garment, prim, kept: kept.clone() };
         (Self { file, last: Mutex::new(Last { revision: 0, content }) }, kept)

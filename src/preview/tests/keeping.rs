@@ -108,3 +108,26 @@ fn a_file_has_the_latest_edits_and_is_of_one_garment_and_recipe() {
     let stage = Stage::open(&input(&files_of[0])).expect("a good garment");
     assert_eq!(Keeper::new(&state, &recipe, &stage).1, []);
 }
+
+/// What is in the place of the file is neither read to its end nor replaced.
+#[cfg(unix)]
+#[test]
+fn a_pipe_or_a_device_in_the_place_of_the_file_is_left() {
+    for make in ["mkfifo", "ln -s /dev/zero"] {
+        let folder = TempDir::new().expect("a folder");
+        let (state, file) = (folder.path().join("unsaved"), folder.path().join("a.usda"));
+        fs::write(&file, sheet(3, "fold")).expect("a file");
+        let (keeper, hub) = opened(&state, &file);
+        edit(&hub, 2);
+        end(&keeper, &hub);
+        let kept = fs::read_dir(&state).expect("a folder").next().expect("a file").expect("a file").path();
+        fs::remove_file(&kept).expect("a file");
+        let script = format!("{make} '{}'", kept.display());
+        assert!(std::process::Command::new("sh").args(["-c", &script]).status().expect("a shell").success());
+        let (keeper, hub) = opened(&state, &file);
+        assert_eq!(hub.unsaved().1, []);
+        edit(&hub, 1);
+        let (revision, unsaved) = hub.unsaved();
+        assert!(keeper.write(revision, unsaved).is_err_and(|e| e.to_string().contains("not a regular file")));
+    }
+}

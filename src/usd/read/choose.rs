@@ -13,6 +13,7 @@ use serde_json::Value as Json;
 use std::collections::BTreeSet;
 use std::path::Path;
 use tailor_mesh::error::Error;
+use tailor_mesh::meter;
 
 /// Paths that a message lists.
 const LISTED: usize = 8;
@@ -226,6 +227,7 @@ pub fn prims_below(
     let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
     let (mut found, mut open) = (Vec::new(), vec![root.clone()]);
     while let Some(path) = open.pop() {
+        meter::check();
         let prim = prim_at(stage, &path)?;
         if !path.is_abs_root() {
             if !stage.prim_matches(&path, predicate).map_err(fault)? {

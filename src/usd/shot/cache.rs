@@ -126,7 +126,18 @@ impl Cache {
         Ok(opened)
     }
 
-    fn fault(&self, text: &str) -> Error {
+    /// The bytes that its file takes on the disk; none where its frames may be in several files.
+    pub fn bytes_on_disk(&self) -> Option<u64> {
+        let file = self.file.metadata().ok().filter(|_| !matches!(self.frames, Frames::Stage { .. }))?;
+        #[cfg(unix)]
+        // A sparse file has fewer blocks than its size tells.
+        return Some(file.len().min(512 * std::os::unix::fs::MetadataExt::blocks(&file)));
+        #[cfg(not(unix))]
+        Some(file.len())
+    }
+
+    /// A fault of the file.
+    pub fn fault(&self, text: &str) -> Error {
         Error::new(ErrorKind::Usd, self.file.display(), text).code(codes::CACHE_FILE)
     }
 

@@ -7,7 +7,7 @@ use super::DrivenPrim;
 use super::stream::{sampled, type_of, unwritable};
 use crate::assets::Anchor;
 use crate::codes;
-use crate::write::{OutputFile, PREFIX, Unfinished};
+use crate::write::{OutputFile, PREFIX, Unfinished, Unnamed};
 use openusd::gf::Vec2d;
 use openusd::sdf::{self, AbstractData, AssetPath, Data, Path, PrimSpec, SpecType, Value, Variability};
 use std::collections::{BTreeSet, HashMap};
@@ -35,8 +35,6 @@ pub struct Clips {
     times: Vec<f64>,
     /// The names of the clips that are written, and last of the manifest.
     written: Vec<String>,
-    /// The clips of an earlier shot.
-    earlier: Vec<PathBuf>,
     /// The attributes of each prim that vary.
     varying: Vec<BTreeSet<&'static str>>,
 }
@@ -64,7 +62,7 @@ impl Clips {
             let text = format!("holds the folder {}, which is not a clip", inner.display());
             return fault(codes::OUTPUT_PATH, &text, "move it away, or write to another file");
         }
-        if !earlier.iter().all(|path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)) {
+        if !earlier.iter().all(|path| is_clip_file(path.as_path())) {
             return fault(
                 codes::OUTPUT_PATH,
                 "is not a folder of clips, or holds more than clips",
@@ -80,7 +78,7 @@ impl Clips {
         let place = real.as_deref().and_then(FilePath::parent).unwrap_or(&file.folder);
         let temporary =
             Unfinished::new(|| Builder::new().prefix(PREFIX).tempdir_in(place)).map_err(|e| file.fault(&e))?;
-        Ok(Self { temporary, folder, times: times.to_vec(), written: Vec::new(), earlier, varying: Vec::new() })
+        Ok(Self { temporary, folder, times: times.to_vec(), written: Vec::new(), varying: Vec::new() })
     }
 
     /// Writes the meshes at `time`.
@@ -133,18 +131,21 @@ impl Clips {
         Ok(())
     }
 
-    /// Writes the shot `file`. The clips get their names just before it, and those of an earlier shot go after it.
+    /// Writes the shot `file`. The clips get their names just before it, and those of an earlier shot go after it. Another run on
+    /// this shot waits meanwhile.
     ///
     /// # Errors
     /// A full disk. An earlier shot stays then.
     pub fn finish(self, file: &OutputFile, shot: Data) -> Result<(), Error> {
+        let Unnamed { temporary, .. } = file.unnamed(shot)?;
+        let _turn = file.lock()?;
         let is_new = !self.folder.exists();
         let mut named = Vec::new();
-        let saved = file.save_verified(shot, |_| self.name_all(&mut named));
+        let saved = self.name_all(&mut named).and_then(|()| file.keep(temporary));
         let unused = match &saved {
-            Ok(_) => {
+            Ok(()) => {
                 let is_used = |path: &PathBuf| self.written.iter().any(|name| *path == self.folder.join(name));
-                self.earlier.iter().filter(|path| !is_used(path)).cloned().collect()
+                contents(&self.folder).into_iter().filter(|path| is_clip_file(path) && !is_used(path)).collect()
             }
             Err(_) => named,
         };
@@ -155,7 +156,7 @@ impl Clips {
         if saved.is_err() && is_new {
             let _ = fs::remove_dir(&self.folder);
         }
-        saved.map(drop)
+        saved
     }
 
     /// Gives the clips their names. Those that were not there before are added to `named`.
@@ -202,6 +203,10 @@ fn contents(folder: &FilePath) -> Vec<PathBuf> {
         Err(_) if folder.exists() => vec![folder.to_path_buf()],
         Err(_) => Vec::new(),
     }
+}
+
+fn is_clip_file(path: &FilePath) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)
 }
 
 /// Whether a file has a name that [`Clips`] gives; earlier versions gave names without a hash.

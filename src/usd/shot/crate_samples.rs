@@ -40,11 +40,17 @@ pub struct CrateStage {
 impl CrateStage {
     /// Opens a crate; `None` for other files, and for layers that bring in others.
     pub fn open(path: &FilePath) -> Option<Self> {
+        let is_arc = |name: Option<&String>| name.is_none_or(|name| ARCS.contains(&name.as_str()));
+        let is_whole =
+            |Self { tables, .. }: &Self| !tables.fields.iter().any(|of| is_arc(tables.tokens.get(of.token_index)));
+        Self::open_layer(path).filter(is_whole)
+    }
+
+    /// Opens a crate, whatever other layers it brings in.
+    pub fn open_layer(path: &FilePath) -> Option<Self> {
         let mut file = files::open(path).ok()?;
         let tables = tables(&mut file, &[]).ok()?;
-        let is_arc = |name: Option<&String>| name.is_none_or(|name| ARCS.contains(&name.as_str()));
-        let is_whole = !tables.fields.iter().any(|field| is_arc(tables.tokens.get(field.token_index)));
-        is_whole.then_some(Self { path: path.to_path_buf(), file, tables })
+        Some(Self { path: path.to_path_buf(), file, tables })
     }
 
     /// The prims with time samples of the property `name`.
@@ -118,6 +124,11 @@ impl CrateSamples {
     /// The times of the samples.
     pub fn times(&self) -> &[f64] {
         &self.times
+    }
+
+    /// The places of the samples in the file.
+    pub fn places(&self) -> &[u64] {
+        &self.places
     }
 
     /// The number of values in the first sample.

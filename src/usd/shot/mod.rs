@@ -13,6 +13,7 @@ mod crate_samples;
 mod fitted;
 mod numpy;
 mod playback;
+mod size;
 mod space;
 mod stream;
 
@@ -25,6 +26,7 @@ use glam::{Quat, Vec3};
 use openusd::gf::{Quath, Vec3f, f16};
 use openusd::sdf::Value;
 use rayon::prelude::*;
+use size::check_size;
 use space::{Clock, Space};
 use std::iter;
 use std::path::{Path, PathBuf};
@@ -60,6 +62,9 @@ pub struct DriveOptions {
     pub gaps: bool,
     /// Overwrite files that are there already.
     pub force: bool,
+    /// Largest shot; by default 1,000 times the cache on the disk, and at least 1 GiB. A stage of several layers has no default.
+    /// \[bytes\]
+    pub max_size: Option<u64>,
 }
 
 /// The sizes of a shot.
@@ -89,6 +94,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         let file = &options.cache.file;
         let mut cache = Cache::open(&options.cache, &bound.sim)?;
         cache.check_times(options.gaps)?;
+        check_size(options, &bound, &cache)?;
         let clock = Clock::new(cache.rate, &bound.metadata);
         let conversion = Conversion::new(&cache, options.cache.space, &bound.sim, motions.sim.clone(), clock);
         let mut writer = ShotWriter::new(options, &bound, &cache)?;

@@ -7,6 +7,7 @@
 use super::bound::Bound;
 use super::cache::{Cache, RATE};
 use super::clips::Clips;
+use super::crate_samples::CrateStage;
 use super::{DriveOptions, DrivenPrim};
 use crate::assets::same_file;
 use crate::codes;
@@ -37,11 +38,14 @@ pub struct ShotWriter {
     layer: Data,
     paths: Vec<Path>,
     /// Time samples of the long arrays of each prim by attribute, as their places in `out`.
-    arrays: Vec<BTreeMap<&'static str, Vec<(f64, Place)>>>,
+    arrays: Vec<Arrays>,
     /// Time samples of the short attributes of each prim.
     values: Vec<BTreeMap<&'static str, sdf::TimeSampleMap>>,
     out: Frames,
 }
+
+/// The samples of attributes.
+type Arrays = BTreeMap<&'static str, Vec<(f64, Place)>>;
 
 /// Where the frames go.
 enum Frames {
@@ -159,7 +163,7 @@ impl ShotWriter {
                 clips.finish(&self.file, self.layer)
             }
             Frames::Stream { out, position } => {
-                let mut places = Vec::new();
+                let (mut places, written) = (Vec::new(), self.arrays.clone());
                 self.author(|place| {
                     places.push(place);
                     stand_in(places.len() - 1)
@@ -167,6 +171,10 @@ impl ShotWriter {
                 let temporary = out.into_inner().map_err(|e| self.file.fault(e.error()))?;
                 append_structure(temporary.as_file(), position, &self.layer, &places)
                     .map_err(|e| self.file.fault(&e))?;
+                if !reads_back(temporary.path(), self.paths.iter().zip(&written)) {
+                    let e = io::Error::other("it does not read back as it was written");
+                    return Err(self.file.fault(&e));
+                }
                 self.file.keep(temporary)
             }
         }
@@ -186,6 +194,17 @@ impl ShotWriter {
         }
         Ok(())
     }
+}
+
+/// Whether a shot has its arrays at the times and places where they were written. It is not read whole.
+fn reads_back<'a>(shot: &FilePath, mut written: impl Iterator<Item = (&'a Path, &'a Arrays)>) -> bool {
+    let Some(opened) = CrateStage::open_layer(shot) else { return false };
+    written.all(|(path, arrays)| {
+        arrays.iter().all(|(name, samples)| {
+            let Some(read) = opened.samples(path, name) else { return false };
+            samples.iter().copied().eq(read.times().iter().copied().zip(read.places().iter().copied()))
+        })
+    })
 }
 
 /// The first of some files that the garment or the cache uses.

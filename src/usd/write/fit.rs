@@ -75,7 +75,7 @@ fn save(file: &OutputFile, mut data: sdf::Data, options: &WriteOptions) -> Resul
     if let Some(record) = &options.record {
         record.author(&mut data)?;
     }
-    Ok(if options.dry_run { file.rehearse(data)? } else { file.save(data)? }.1)
+    Ok(options.save(file, data)?.1)
 }
 
 /// A body of a variant set, and the garments on it.

@@ -7,7 +7,7 @@ use super::levels::{LevelPart, check_levels, copy_levels, level_variants};
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::{Author, fault};
 use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count};
-use super::save::{Format, OutputFile, text_of};
+use super::save::{Format, HeldOutput, OutputFile, text_of};
 use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::assets::{Anchor, as_named, writable};
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use tailor_mesh::error::{Error, Warnings};
 
 /// How products are written.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct WriteOptions {
     /// Write one self-contained layer instead of one that sublayers the input. A `.usdz` package always is.
     pub flatten: bool,
@@ -36,6 +36,19 @@ pub struct WriteOptions {
     pub lod_schema: LodSchema,
     /// The record of what the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,
+    /// Where the complete file waits for its name; by default it has it at once.
+    pub held: Option<HeldOutput>,
+}
+
+impl WriteOptions {
+    /// Saves a layer, or rehearses it.
+    pub(super) fn save(&self, file: &OutputFile, data: sdf::Data) -> Result<(Vec<PathBuf>, Warnings), Error> {
+        match &self.held {
+            _ if self.dry_run => file.rehearse(data),
+            Some(held) => file.hold(data, held),
+            None => file.save(data),
+        }
+    }
 }
 
 impl Default for WriteOptions {
@@ -48,6 +61,7 @@ impl Default for WriteOptions {
             sets: SetChoice::default(),
             lod_schema: LodSchema::default(),
             record: None,
+            held: None,
         }
     }
 }
@@ -91,7 +105,7 @@ pub fn write_all(
         let anchor = if is_package { Anchor::Root } else { file.anchor() };
         let frame = LayerContext { flatten: is_package || options.flatten, anchor, sublayer: None };
         let ((data, trims), mut warnings) = compose(garments, frame, options)?;
-        let packed = warnings.absorb(if options.dry_run { file.rehearse(data)? } else { file.save(data)? });
+        let packed = warnings.absorb(options.save(&file, data)?);
         Ok((Written { packed, trims }, warnings))
     })
 }

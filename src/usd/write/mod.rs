@@ -25,6 +25,9 @@ pub use physics::pose_points;
 pub use product::extent;
 pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
 pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
-pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
+pub use save::{
+    Format, HeldOutput, OutputFile, OutputLock, PREFIX, Unfinished, Unnamed, remove_unfinished, temporary_beside,
+    write_whole,
+};
 pub use sets::write_sets;
 pub use trims::{BoundTrim, off_cloth};

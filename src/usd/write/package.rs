@@ -28,15 +28,16 @@ pub struct PackageData {
     pub files: Vec<PathBuf>,
 }
 
-/// The layer `data`, whose asset paths are absolute, and the files that it uses, as a package. The layer is called `stem`.
+/// The layer `data`, whose asset paths are absolute, and the files that it uses, as a package. The layer is called `stem`, and its
+/// asset paths become those of entries.
 ///
 /// # Errors
 /// A value that a crate cannot hold. A file that cannot be read, or is of no kind that stages use, becomes a warning.
-pub fn package(mut data: Data, stem: &str) -> Result<(PackageData, Warnings), Error> {
+pub fn package(data: &mut Data, stem: &str) -> Result<(PackageData, Warnings), Error> {
     let mut package = Package::default();
-    package.collect(&mut data);
-    package.warnings.extend(remove_unwritable(&mut data));
-    let layer = encode(&data)?;
+    package.collect(data);
+    package.warnings.extend(remove_unwritable(data));
+    let layer = encode(data)?;
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
     let mut archive = ArchiveWriter::new(&mut whole);

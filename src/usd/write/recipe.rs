@@ -1,7 +1,7 @@
 //! A recipe as opinions on the model, in a layer over the stage.
 
 use super::layer::{LayerContext, overlay};
-use super::save::{Format, OutputFile, text_of};
+use super::save::{Format, OutputFile, Unnamed, check_whole, text_of};
 use crate::codes;
 use crate::read::{Files, Model, ReadOptions, Selection, Source, select};
 use crate::values::decimal;
@@ -93,11 +93,10 @@ pub fn write_recipe(
             true => edited(&source.model, opinions, &file, replaced)?,
         };
         let written = if file.format == Format::Usda { with_short_floats(data.clone()) } else { data.clone() };
-        file.save_verified(written, |temporary| {
-            same_content(&data, temporary, out)?;
-            verify(temporary)
-        })
-        .map(drop)
+        let Unnamed { temporary, .. } = file.unnamed(written)?;
+        check_whole(&data, temporary.path())?;
+        verify(temporary.path())?;
+        file.keep(temporary)
     })
 }
 
@@ -339,29 +338,4 @@ fn with_short_floats(mut data: Data) -> Data {
         }
     }
     data
-}
-
-/// Checks that a written layer reads back as `data`.
-fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
-    let layer = sdf::Layer::open_with(Files::default(), written.to_string_lossy()).map_err(fault)?;
-    let differs = |path: &sdf::Path| {
-        let fields = data.list_fields(path).unwrap_or_default();
-        let differs = |key: &String| {
-            let (own, read) = (data.try_field(path, key), layer.data().try_field(path, key));
-            !matches!((own, read), (Ok(own), Ok(read)) if own == read) && !is_implied(data, path, key)
-        };
-        !layer.data().has_spec(path) || fields.iter().any(differs)
-    };
-    match data.spec_paths().iter().find(|path| differs(path)) {
-        Some(path) => Err(Error::usd(format!("{path} in {} cannot be written back unchanged", out.display()))
-            .code(codes::NOT_WRITTEN_BACK)
-            .remedy("save to a new file, and sublayer it there")),
-        None => Ok(()),
-    }
-}
-
-/// True for a specifier that crate files leave out.
-fn is_implied(data: &Data, path: &sdf::Path, key: &str) -> bool {
-    key == FieldKey::Specifier.as_str()
-        && matches!(data.try_field(path, key), Ok(Some(v)) if *v == Value::Specifier(sdf::Specifier::Over))
 }

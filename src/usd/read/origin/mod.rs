@@ -21,7 +21,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor_mesh::error::{Error, plain};
-use tailor_mesh::files::{read, require_file};
+use tailor_mesh::files::{folder_of, read, require_file};
+use tailor_mesh::options::did_you_mean;
 
 /// The file or bytes from which a stage is opened.
 #[derive(Clone, Debug)]
@@ -78,6 +79,8 @@ fn obsolete_crate(content: &[u8]) -> Option<String> {
 
 /// Identifier of the layer in memory. It names no file, so that relative paths are not resolved.
 const IN_MEMORY: &str = "composed.usd";
+/// Files of a folder that are looked at for a name.
+const MOST_NAMES: usize = 10_000;
 
 fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     Stage::builder().resolver(Files::default().with_layer(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
@@ -92,7 +95,9 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
     let shown = file.display();
     let refused = |text: String, remedy: &str| Error::usd(text).code(codes::UNREADABLE_FILE).remedy(remedy);
     let unreadable = |e: io::Error| {
-        refused(format!("cannot read {shown}: {}", plain(&e)), "check the path, and who may read the file")
+        let likely = if e.kind() == io::ErrorKind::NotFound { likely_name(file) } else { String::new() };
+        let remedy = format!("{likely}check the path, and who may read the file");
+        refused(format!("cannot read {shown}: {}", plain(&e)), &remedy)
     };
     if file.is_dir() {
         return Err(refused(format!("{shown} is a folder, not a USD file"), "name a file inside it"));
@@ -122,6 +127,16 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
         }
     };
     builder.open(&path).map_err(|e| not_usd(file, &e.to_string()))
+}
+
+/// The start of a remedy that names the file whose name is nearest to one that is not there.
+fn likely_name(file: &Path) -> String {
+    let is_alike = |path: &PathBuf| path.extension() == file.extension();
+    let there =
+        fs::read_dir(folder_of(file)).into_iter().flatten().take(MOST_NAMES).flatten().map(|entry| entry.path());
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let names: Vec<String> = there.filter(is_alike).map(|path| name(&path)).collect();
+    did_you_mean(&name(file), &names)
 }
 
 /// The error of a file that the library cannot read, in its words.

@@ -1,9 +1,15 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
+mod held;
 mod indent;
+mod lock;
+mod opened;
 mod text;
 mod unfinished;
 
+pub use held::HeldOutput;
+pub use lock::OutputLock;
+pub use opened::check_whole;
 pub use text::text_of;
 pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 
@@ -19,6 +25,9 @@ use tailor_mesh::error::{Error, ErrorCode, Warnings, plain};
 use tailor_mesh::files::folder_of;
 use tempfile::NamedTempFile;
 use text::write_text;
+
+/// Largest text that is opened once it is written: to read text takes longer than to write it. \[bytes\]
+const MOST_TEXT: u64 = 16 << 20;
 
 /// How a layer is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +59,7 @@ impl Format {
 }
 
 /// A file that may be written.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct OutputFile {
     /// The path as the user named it.
     shown: String,
@@ -64,6 +73,14 @@ pub struct OutputFile {
     force: bool,
     /// Its format.
     pub format: Format,
+}
+
+/// A complete file that has no name yet.
+pub struct Unnamed {
+    pub temporary: Unfinished<NamedTempFile>,
+    /// The files that a package has a copy of.
+    pub packed: Vec<PathBuf>,
+    pub warnings: Warnings,
 }
 
 impl OutputFile {
@@ -100,7 +117,9 @@ impl OutputFile {
                 .remedy("create the folder first")
         })?;
         let named = as_named(out)?;
-        if let Some(what) = unreadable(&named) {
+        // By a path from its own folder, such a name would be that of a layer in memory.
+        let is_memory = file.file_name().is_some_and(|name| name.to_string_lossy().starts_with("anon:"));
+        if let Some(what) = unreadable(&named).or(is_memory.then_some("`anon:`")) {
             return fault(codes::OUTPUT_PATH, &format!("has {what} in its path"), "name it otherwise for OpenUSD");
         }
         let named = PathBuf::from(named);
@@ -125,32 +144,43 @@ impl OutputFile {
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
     pub fn save(&self, data: Data) -> Result<(Vec<PathBuf>, Warnings), Error> {
-        self.save_verified(data, |_| Ok(()))
+        let Unnamed { temporary, packed, warnings } = self.unnamed(data)?;
+        self.keep(temporary)?;
+        Ok((packed, warnings))
     }
 
-    /// As [`OutputFile::save`]; `verify` sees the finished file under a temporary name before it gets its own.
+    /// As [`OutputFile::save`], and the file waits in `held` for its name.
     ///
     /// # Errors
-    /// As [`OutputFile::save`], and those of `verify`. Nothing is written then.
-    pub fn save_verified(
-        &self,
-        mut data: Data,
-        verify: impl FnOnce(&Path) -> Result<(), Error>,
-    ) -> Result<(Vec<PathBuf>, Warnings), Error> {
+    /// As [`OutputFile::save`].
+    pub fn hold(&self, data: Data, held: &HeldOutput) -> Result<(Vec<PathBuf>, Warnings), Error> {
+        let Unnamed { temporary, packed, warnings } = self.unnamed(data)?;
+        held.put(self.clone(), temporary);
+        Ok((packed, warnings))
+    }
+
+    /// Writes the layer `data` under a temporary name, and opens it once.
+    ///
+    /// # Errors
+    /// As [`OutputFile::save`], and a file that does not read back.
+    pub fn unnamed(&self, mut data: Data) -> Result<Unnamed, Error> {
         let (mut packed, mut warnings) = (Vec::new(), Warnings::default());
-        match self.format {
-            Format::Usda => self.replace(|out| write_text(&data, out), verify)?,
+        let temporary = match self.format {
+            Format::Usda => self.filled(|out| write_text(&data, out))?,
             Format::Usdc => {
                 warnings = remove_unwritable(&mut data);
-                self.replace(|out| write_crate(&data, out), verify)?;
+                self.filled(|out| write_crate(&data, out))?
             }
             Format::Usdz => {
-                let package = warnings.absorb(package(data, &self.stem)?);
-                self.replace(|out| Ok(out.write_all(&package.bytes)?), verify)?;
+                let package = warnings.absorb(package(&mut data, &self.stem)?);
                 packed = package.files;
+                self.filled(|out| Ok(out.write_all(&package.bytes)?))?
             }
+        };
+        if self.format != Format::Usda || temporary.as_file().metadata().is_ok_and(|file| file.len() <= MOST_TEXT) {
+            opened::check(&data, temporary.path())?;
         }
-        Ok((packed, warnings))
+        Ok(Unnamed { temporary, packed, warnings })
     }
 
     /// Does what [`OutputFile::save`] does, without a file.
@@ -164,7 +194,7 @@ impl OutputFile {
                 Ok((Vec::new(), Warnings::default()))
             }
             Format::Usdc => Ok((Vec::new(), remove_unwritable(&mut data))),
-            Format::Usdz => package(data, &self.stem).map(|(package, warnings)| (package.files, warnings)),
+            Format::Usdz => package(&mut data, &self.stem).map(|(package, warnings)| (package.files, warnings)),
         }
     }
 
@@ -173,12 +203,11 @@ impl OutputFile {
         Error::usd(format!("cannot write {}: {e}", self.shown)).code(codes::WRITE_FAILED)
     }
 
-    /// Lets `fill` write a temporary file in the folder and `verify` look at it, and renames it to the output.
-    fn replace(
+    /// A temporary file with what `fill` writes.
+    fn filled(
         &self,
         fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>,
-        verify: impl FnOnce(&Path) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Unfinished<NamedTempFile>, Error> {
         let temporary = self.temporary()?;
         let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
         fill(&mut out).map_err(|e| match e {
@@ -187,8 +216,7 @@ impl OutputFile {
         })?;
         out.flush().map_err(|e| self.fault(&e))?;
         drop(out);
-        verify(temporary.path())?;
-        self.keep(temporary)
+        Ok(temporary)
     }
 
     /// A temporary file beside the output, with its permissions.
@@ -208,6 +236,14 @@ impl OutputFile {
             io::ErrorKind::AlreadyExists => exists_already(&self.shown),
             _ => self.fault(&e),
         })
+    }
+
+    /// Locks the output against other runs, for which it waits.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn lock(&self) -> Result<OutputLock, Error> {
+        OutputLock::new(&self.file, || {}).map_err(|e| self.fault(&e))
     }
 
     /// The error of a write that failed.
