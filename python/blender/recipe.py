@@ -66,7 +66,7 @@ def properties(ob) -> dict[str, object]:
 
 def usd_value(ob, key: str, value):
     """A value as USD has it: an option that names a vertex group has the name of its primvar."""
-    is_group = isinstance(value, str) and key.rpartition(":")[2] in ("density", "weights") and value in ob.vertex_groups
+    is_group = isinstance(value, str) and key.rpartition(":")[2] in ("density", "weights", "smoothWeights") and value in ob.vertex_groups
     return group_primvars([group.name for group in ob.vertex_groups])[value] if is_group else value
 
 

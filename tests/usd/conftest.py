@@ -25,7 +25,7 @@ import json  # noqa: E402
 import numpy as np  # noqa: E402
 import pytest  # noqa: E402
 from mesh import find_model, read_mesh  # noqa: E402
-from pxr import Usd  # noqa: E402
+from pxr import Sdf, Usd  # noqa: E402
 
 # Whether long tests run too: `cargo xtask test --all`.
 ALL = bool(os.environ.get("TAILOR_TEST_ALL"))
@@ -141,6 +141,15 @@ def write(usdtailor, source, path, *args):
     return done.stderr
 
 
+def check_again(usdtailor, path):
+    """The program reads an output in the same way after OpenUSD has written it as a crate."""
+    again = path.with_name(f"{path.stem}_again.usdc")
+    assert Sdf.Layer.OpenAsAnonymous(str(path)).Export(str(again))
+    own, other = (run(usdtailor, "info", "-v", "--all", file) for file in (path, again))
+    words = [(done.returncode, (done.stdout + done.stderr).replace(str(file), "")) for done, file in ((own, path), (other, again))]
+    assert words[0] == words[1], f"{path}: OpenUSD writes what is not read\n{words[0][1]}\n{words[1][1]}"
+
+
 def opened(source, path, stderr, again):
     stages = (Usd.Stage.Open(str(source)), Usd.Stage.Open(str(path)))
     return Product(Path(source), path, *stages, json.loads(Path(f"{path}.json").read_text()), stderr, again)
@@ -150,6 +159,7 @@ def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
     """Builds `source` into `folder` and opens both stages."""
     path = folder / f"{stem}{suffix}"
     stderr = write(usdtailor, source, path, *args)
+    check_again(usdtailor, path)
     return opened(source, path, stderr, lambda *more: make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_{digest(*more)}"))
 
 
@@ -211,7 +221,9 @@ def built(usdtailor):
         with only_worker(folder / "lock"):
             # Written last, so that an interrupted build is repeated.
             if not words.exists():
-                words.write_text(write(usdtailor, source, path, *args))
+                stderr = write(usdtailor, source, path, *args)
+                check_again(usdtailor, path)
+                words.write_text(stderr)
         return opened(source, path, words.read_text(), lambda *more: built(source, *args, *more, suffix=suffix))
 
     def built(source, *args, suffix=".usda"):

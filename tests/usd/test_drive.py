@@ -280,6 +280,36 @@ def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault
         assert drive(usdtailor, coat, source, out, "--gaps").returncode == 0
 
 
+@pytest.mark.parametrize("is_declared", [True, False])
+def test_clips_may_lack_a_file_and_declare_points_in_their_manifest_alone(usdtailor, coat, tmp_path, is_declared):
+    frames, times, path = moved(coat)[:4], [1, 2, 4, 5], coat.prim("sim").GetPath()
+    for time, frame in zip(times, frames, strict=True):
+        write_cache(tmp_path / f"frame.{time:03}.usdc", coat, [frame], times=[time])
+    stages = {name: Usd.Stage.CreateNew(str(tmp_path / f"{name}.usda")) for name in ("manifest", "clips")}
+    for name in stages if is_declared else ["manifest"]:
+        UsdGeom.Mesh(stages[name].OverridePrim(path)).CreatePointsAttr()
+    mesh, root = stages["clips"].OverridePrim(path), path.GetPrefixes()[0]
+    clips = Usd.ClipsAPI(stages["clips"].GetPrimAtPath(root))
+    clips.SetClipPrimPath(str(root))
+    clips.SetClipManifestAssetPath("./manifest.usda")
+    clips.SetClipTemplateAssetPath("./frame.###.usdc")
+    clips.SetClipTemplateStartTime(1), clips.SetClipTemplateEndTime(5), clips.SetClipTemplateStride(1)
+    for stage in stages.values():
+        stage.GetRootLayer().Save()
+    source, out, plain = tmp_path / "clips.usda", tmp_path / "shot.usdc", tmp_path / "plain.usdc"
+    assert Usd.Stage.Open(str(source)).GetPrimAtPath(path).IsValid() and mesh.GetTypeName() == ""
+    done = drive(usdtailor, coat, source, out)
+    assert done.returncode == 1 and "frames are missing between 2 and 4" in done.stderr, done.stderr
+    done = drive(usdtailor, coat, source, out, "--gaps")
+    assert done.returncode == 0, done.stderr
+    assert drive(usdtailor, coat, write_cache(tmp_path / "all.usdc", coat, frames, times=times), plain, "--gaps").returncode == 0
+    driven, expected = (Usd.Stage.Open(str(file)) for file in (out, plain))
+    prims = [stage.GetPrimAtPath(coat.prim("render").GetPath()) for stage in (driven, expected)]
+    assert prims[0].GetAttribute("points").GetTimeSamples() == times
+    for time in times:
+        assert (points(prims[0], time) == points(prims[1], time)).all()
+
+
 @pytest.mark.parametrize("kind", [np.int64, np.int32, np.uint16, np.int8, np.float32])
 def test_times_are_whole_numbers_or_not(usdtailor, coat, tmp_path, kind):
     frames, out = moved(coat)[:3], tmp_path / "shot.usdc"

@@ -52,6 +52,35 @@ def test_texts_that_open_usd_reads_are_read(build, tmp_path, words):
     assert np.array_equal(read_mesh(product.stage.GetPrimAtPath("/G/render")).points, np.float32(POINTS))
 
 
+DOC = r"""
+    doc = '''a\''' b'''"""
+QUOTES = r'''
+    customLayerData = {
+        string quotes = """two \"quotes\" and \"""  one"""
+    }'''
+MIRRORED = """            active = 1
+            symmetryFunction = mirror
+            symmetryArguments = {
+                string axis = "x}"
+            }
+            hidden = 0
+"""
+
+
+def test_flags_are_numbers_too_and_old_metadata_are_told(build, tmp_path):
+    path = text(tmp_path / "a.usda", metadata=DOC + QUOTES)
+    path.write_text(path.read_text().replace('def Mesh "m"\n', f'def Mesh "m" (\n{MIRRORED}        )\n'))
+    layer = Sdf.Layer.FindOrOpen(str(path))
+    product = build(path, "--flatten")
+    written = product.stage.GetRootLayer()
+    assert layer.documentation == "a''' b" and written.documentation.startswith(layer.documentation)
+    assert written.customLayerData["quotes"] == layer.customLayerData["quotes"]
+    mesh = product.stage.GetPrimAtPath("/G/m")
+    assert mesh.IsActive() and mesh.GetMetadata("hidden") is False
+    (told,) = [warning for warning in product.warnings if "symmetry" in warning]
+    assert "symmetryArguments, symmetryFunction" in told and str(path) in told
+
+
 def test_what_only_newer_versions_have_is_not_called_damaged(usdtailor, tmp_path):
     extra = '        def GeomSubset "s"\n        {\n            int[] indices = edit [append 5]\n        }'
     done = run(usdtailor, "check", text(tmp_path / "a.usda", extra=extra))

@@ -92,6 +92,24 @@ EMPTY = {"strings": Vt.StringArray(), "inner": {"assets": Sdf.AssetPathArray(), 
 
 
 @pytest.mark.parametrize("suffix", FLAT)
+def test_properties_with_empty_lists_are_read_and_written(usdtailor, tmp_path, suffix):
+    stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(EXAMPLES / "tshirt.usda")))
+    model, kinds = find_model(stage), (Sdf.ValueTypeNames.StringArray, Sdf.ValueTypeNames.AssetArray, Sdf.ValueTypeNames.PathExpressionArray)
+    for kind in kinds:
+        name = str(kind).removesuffix("[]")
+        model.CreateAttribute(f"empty:{name}", kind).Set(kind.defaultValue)
+    source, flat = tmp_path / "source.usdc", tmp_path / f"flat{suffix}"
+    stage.Export(str(source))
+    assert "empty" not in write(usdtailor, source, flat, "--flatten"), "nothing is left out"
+    product = Usd.Stage.Open(str(flat))
+    found = product.GetPrimAtPath(model.GetPath())
+    for attribute in model.GetPropertiesInNamespace("empty"):
+        value = found.GetAttribute(attribute.GetName()).Get()
+        assert value is not None and len(value) == 0 and type(value) is type(attribute.Get())
+    assert found.GetAttribute("points").Get() == model.GetAttribute("points").Get(), "the rest of the crate is as it was"
+
+
+@pytest.mark.parametrize("suffix", FLAT)
 def test_empty_lists_in_dictionaries_are_read_and_written(usdtailor, tmp_path, suffix):
     # Other tests of this process have the layer of the file.
     stage = Usd.Stage.Open(Sdf.Layer.OpenAsAnonymous(str(EXAMPLES / "tshirt.usda")))

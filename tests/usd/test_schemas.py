@@ -14,6 +14,7 @@ SIM = {
     "tailor:sim:density": ("token", ""),
     "tailor:sim:grading": ("float", 0.0),
     "tailor:sim:baselineLevel": ("int", 2),
+    "tailor:sim:smoothWeights": ("token", ""),
     "tailor:sim:iterations": ("int", 5),
     "tailor:sim:relax": ("token", "surface"),
     "tailor:sim:uvSet": ("token", "st"),

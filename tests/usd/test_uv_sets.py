@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from conftest import EXAMPLES, MADE, run
+from mesh import cut_edges
 from pxr import Sdf, Usd, UsdGeom
 
 
@@ -83,7 +84,12 @@ def largest_ratios(mesh):
 
 @pytest.mark.parametrize("source", [EXAMPLES / "tshirt.usda", EXAMPLES / "coat.usda", MADE / "split_uv_indices.usdc"])
 def test_no_triangle_stretches_across_the_texture_without_seams(built, source):
-    product = built(source, "--set", "sim.constrainUvSeams=false")
+    product = built(source, "--set", "sim.constrainUvSeams=false", "--sets", "all")
     most = 3 * np.percentile(largest_ratios(product.source), 99.5)
     assert (largest_ratios(product.sim) > most).sum() == 0
     assert not [warning for warning in product.warnings if warning.startswith("uv-flips")]
+    seams = product.prim("sim").GetChild("tailorSeams")
+    edges = np.sort(np.array(UsdGeom.Subset(seams).GetIndicesAttr().Get()).reshape(-1, 2))
+    corner_values = np.unique(product.sim.primvars["st"].flat, axis=0, return_inverse=True)[1].ravel()
+    cut = product.sim.topology.edges[cut_edges(product.sim.topology, corner_values)]
+    assert sorted(edges.tolist()) == sorted(np.sort(cut).tolist())

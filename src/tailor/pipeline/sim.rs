@@ -165,7 +165,7 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
     warnings.extend(small_shells(garment, options, &product.baseline));
-    warnings.extend(closed_details(&product.baseline));
+    warnings.extend(closed_details(options, &product.baseline));
     warnings.extend(flipped_uvs(garment, options, &product.baseline));
     if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
@@ -196,14 +196,15 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
 }
 
 /// The warning of details that no surface could take the place of.
-fn closed_details(baseline: &Baseline) -> Option<Warning> {
+fn closed_details(options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
     let count = baseline.closed_details;
     let problem = format!(
         "{} closed, without faces around it: the simulation mesh keeps it",
         counted(count, "detail is", "details are")
     );
-    let warning = Warning::new(codes::CLOSED_DETAIL, "sim.smooth", problem);
-    (count > 0).then(|| warning.remedy("Make the detail a trim, or leave it out of sim.smooth"))
+    let option = if options.smooth.is_empty() { "sim.smoothWeights" } else { "sim.smooth" };
+    let warning = Warning::new(codes::CLOSED_DETAIL, option, problem);
+    (count > 0).then(|| warning.remedy(format!("Make the detail a trim, or leave it out of {option}")))
 }
 
 /// The warning of UVs that are cut at nearly every edge, as scanned and automatically unwrapped garments have them.

@@ -51,6 +51,10 @@ options! {
         /// Face subsets whose details the simulation mesh leaves out: a fair surface through their surroundings replaces them
         "smooth" smooth: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: false }, "names of subsets";
 
+        /// Painted vertex primvar, named without `primvars:`, from 0 for the surface as modelled to 1 for the fair one of smooth;
+        /// empty is 0 everywhere
+        "smoothWeights" smooth_weights: String = String::new(), Domain::Weights, "name of a primvar";
+
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
 

@@ -62,7 +62,9 @@ pub fn transfer(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> (
         || primvars::carry_all(garment, &map, options),
         || subsets::carry_all(garment, &map, &locator, options),
     );
-    let CarriedSubsets { subsets, families, curves, islands } = warnings.absorb(subsets);
+    let CarriedSubsets { mut subsets, curves, islands } = warnings.absorb(subsets);
+    let uvs = primvars.iter().find(|primvar| primvar.name == options.uv_set && primvar.is_uv_set());
+    let families = subsets::add_constraints(garment, &map, uvs, &mut subsets);
     let mesh = Mesh {
         prim: garment.prim.clone(),
         points: product.points.clone(),

@@ -153,6 +153,7 @@ impl Source {
         // Prims are composed when they are read.
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
+        warnings.extend(model.origin.read.left_out());
         warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
         let mut source = Self { model, garment, recipe, facts, warnings, seams: Vec::new(), fitted: None };
         source.sew_itself(tolerance);

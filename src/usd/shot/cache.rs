@@ -8,11 +8,11 @@ use super::space::Motion;
 use crate::codes;
 use crate::names;
 use crate::read::{
-    OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value, vectors, with_ancestors,
+    OrUnreadable, StageOrigin, all_prims, is_a, prim_at, property_names, stage_metadata, value, vectors, with_ancestors,
 };
 use crate::values::number;
 use glam::Vec3;
-use openusd::sdf::{FieldKey, Path, Specifier, Value};
+use openusd::sdf::{FieldKey, Path, Specifier, Value, ValueTypeName};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde::Deserialize;
 use std::path::{Path as FilePath, PathBuf};
@@ -233,7 +233,12 @@ impl Cache {
         check_faces(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, mesh)?;
         let metadata = stage_metadata(&stage)?;
         let rate = rates(&metadata);
-        let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
+        let mut times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
+        if has_clips(&prim)? {
+            // A template has times of files that are not there.
+            let is_there = |time: &f64| Ok(vectors(&prim, names::POINTS, Some(TimeCode::new(*time)))?.map(|_| *time));
+            times = times.iter().filter_map(|time| is_there(time).transpose()).collect::<Result<_, Error>>()?;
+        }
         let velocities = prim.attribute(names::VELOCITIES).time_sample_times().or_unreadable(&path)?;
         let points = match times.first() {
             Some(first) => vectors_at(&prim, names::POINTS, *first)?.len(),
@@ -291,17 +296,48 @@ fn sampled_meshes(stage: &Stage, file: &FilePath, mesh: &MeshAtBind) -> Result<V
     let mut meshes = Vec::new();
     for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
-        if is_a(&prim, names::MESH)? && prim.attribute(names::POINTS).num_time_samples().or_unreadable(&path)? > 0 {
+        if !is_a(&prim, names::MESH)? {
+            continue;
+        }
+        declare_points(&prim)?;
+        if prim.attribute(names::POINTS).num_time_samples().or_unreadable(&path)? > 0 {
             meshes.push(path);
         }
     }
     // An over without a type, as a layer over the garment has it, is a mesh only below the garment.
     let own = prim_at(stage, &mesh.path)?;
+    if own.is_valid().or_unreadable(&mesh.path)? {
+        declare_points(&own)?;
+    }
     let is_over = own.attribute(names::POINTS).num_time_samples().is_ok_and(|n| n > 0);
     if is_over && !meshes.contains(&mesh.path) {
         meshes.push(mesh.path.clone());
     }
     Ok(meshes)
+}
+
+/// Whether a prim may have its values from clips.
+fn has_clips(prim: &Prim) -> Result<bool, Error> {
+    for path in with_ancestors(prim.path()) {
+        if prim_at(prim.stage(), &path)?.get_metadata::<Value>("clips").or_unreadable(&path)?.is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Declares points and velocities of a mesh whose clips declare them in their manifest alone. OpenUSD has them by the schema of meshes.
+fn declare_points(prim: &Prim) -> Result<(), Error> {
+    if !has_clips(prim)? {
+        return Ok(());
+    }
+    let declared = property_names(prim)?;
+    let types = [(names::POINTS, ValueTypeName::POINT3F_ARRAY), (names::VELOCITIES, ValueTypeName::VECTOR3F_ARRAY)];
+    for (name, kind) in types.into_iter().filter(|(name, _)| declared.iter().all(|own| own != name)) {
+        // Only the layer in memory changes.
+        prim.create_attribute(name, kind).or_unreadable(prim.path())?;
+    }
+    Ok(())
 }
 
 /// The mesh of the cache: the one that is named, that at the path of `mesh`, or the only one.

@@ -9,7 +9,7 @@ use crate::sim::constraints::chain::{Chain, ChainKind};
 use crate::sim::constraints::feature_lines::{BluntRidge, FeatureSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::fairing::Fairing;
-use crate::sim::surface::lengths::{Lengths, grade};
+use crate::sim::surface::lengths::{Lengths, grade, painted};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::refine::{RefinedLevels, holes};
 use crate::sim::surface::small_shells::SmallShells;
@@ -41,11 +41,13 @@ impl Baseline {
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
         let kinds = constrained_edges(garment, &manifold, options, is_seam, &small_shells, &is_hole);
-        let closed_details = smooth_details(garment, options, &kinds, &all_levels, source_face, &mut points);
+        let weights = garment.primvar(&options.smooth_weights).and_then(|p| painted(&manifold, &levels, p));
+        let details = Details { garment, options, levels: &all_levels, source_face, weights };
+        let closed_details = details.smooth(&kinds, &mut points);
         let quads = Triangulation::new(&finest.topology, &points, |f| !is_hole[source_face[f]]);
         let topology = Topology::new(Faces::triangles(quads.vertices(&finest.topology.faces)), points.len());
         let uvs = quads.uvs(uv_channel.as_ref(), &uvs);
-        let mut target = lengths.refined(garment, &manifold, &levels, points.len());
+        let mut target = lengths.refined(&manifold, &levels, points.len());
         let graded = grade_targets(&mut target, options, &topology, &points);
 
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
@@ -119,32 +121,57 @@ impl Baseline {
     }
 }
 
-/// Puts fair surfaces in place of the details that the options name. The constrained edges of the cage stay. Returns the
-/// number of closed details, which stay too.
-fn smooth_details(
-    garment: &Mesh,
-    options: &SimOptions,
-    kinds: &BTreeMap<EdgeId, ChainKind>,
-    levels: &[&Level],
-    source_face: &IdVec<FaceId, FaceId>,
-    points: &mut IdVec<VertexId, Vec3>,
-) -> usize {
-    let mut is_detail = IdVec::<FaceId, bool>::filled(false, garment.faces.len());
-    for subset in options.smooth.iter().filter_map(|name| garment.subset(name)) {
-        if let Elements::Faces(faces) = &subset.elements {
-            faces.iter().for_each(|&face| is_detail[face] = true);
+/// The details that the options name.
+struct Details<'a> {
+    garment: &'a Mesh,
+    options: &'a SimOptions,
+    levels: &'a [&'a Level],
+    /// The face of the garment behind each face of the finest level.
+    source_face: &'a IdVec<FaceId, FaceId>,
+    /// The painted weight at each vertex of the finest level.
+    weights: Option<IdVec<VertexId, f32>>,
+}
+
+impl Details<'_> {
+    /// Blends the surface to a fair one. The constrained edges of the cage stay. Returns the number of closed details, which
+    /// stay too.
+    fn smooth(&self, kinds: &BTreeMap<EdgeId, ChainKind>, points: &mut IdVec<VertexId, Vec3>) -> usize {
+        if self.options.smooth.is_empty() && self.weights.is_none() {
+            return 0;
         }
+        let levels = self.levels;
+        let finest = &levels[levels.len() - 1].topology;
+        let in_sets = self.in_sets();
+        let is_in_sets = |face: FaceId| in_sets[self.source_face[face]];
+        let weight = |v: VertexId| match &self.weights {
+            _ if finest.faces_at(v).all(is_in_sets) => 1.0,
+            Some(weights) => weights[v].clamp(0.0, 1.0),
+            None => 0.0,
+        };
+        let weights: IdVec<VertexId, f32> = points.ids().map(weight).collect();
+        let is_inside = |face| is_in_sets(face) || finest.faces.vertices_of(face).iter().any(|&v| weights[v] > 0.0);
+        let constrained = kinds.keys().map(|&edge| levels[0].topology.edges[edge].to_vec()).collect();
+        let mut is_edge = IdVec::<VertexId, bool>::filled(false, points.len());
+        refine_paths(constrained, levels).pop().iter().flatten().flatten().for_each(|&v| is_edge[v] = true);
+        let (fairing, closed) = Fairing::new(finest, &is_edge, is_inside);
+        let modelled = points.clone();
+        fairing.apply(points);
+        for (v, point) in weights.ids().zip(points.iter_mut()).filter(|(v, point)| **point != modelled[*v]) {
+            *point = modelled[v].lerp(*point, weights[v]);
+        }
+        closed
     }
-    if !is_detail.contains(&true) {
-        return 0;
+
+    /// Whether each face of the garment is in a set.
+    fn in_sets(&self) -> IdVec<FaceId, bool> {
+        let mut is_in = IdVec::<FaceId, bool>::filled(false, self.garment.faces.len());
+        for subset in self.options.smooth.iter().filter_map(|name| self.garment.subset(name)) {
+            if let Elements::Faces(faces) = &subset.elements {
+                faces.iter().for_each(|&face| is_in[face] = true);
+            }
+        }
+        is_in
     }
-    let constrained = kinds.keys().map(|&edge| levels[0].topology.edges[edge].to_vec()).collect();
-    let mut is_edge = IdVec::<VertexId, bool>::filled(false, points.len());
-    refine_paths(constrained, levels).pop().iter().flatten().flatten().for_each(|&v| is_edge[v] = true);
-    let finest = &levels[levels.len() - 1].topology;
-    let (fairing, closed) = Fairing::new(finest, &is_edge, |face| is_detail[source_face[face]]);
-    fairing.apply(points);
-    closed
 }
 
 /// The UV shells whose borders constrain nothing.

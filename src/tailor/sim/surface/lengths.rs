@@ -5,7 +5,7 @@ use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use tailor_mesh::connectivity::{IdVec, Topology, VertexId};
-use tailor_mesh::garment::{Mesh, Primvar, Values};
+use tailor_mesh::garment::{Primvar, Values};
 use tailor_mesh::subdivide::Level;
 
 /// An edge longer than this times its target is split. Smaller values make more, shorter edges. Botsch and Kobbelt 2004,
@@ -39,19 +39,16 @@ impl Lengths<'_> {
     }
 
     /// Target edge length at each of the `vertices` vertices of the finest level. \[mesh units\]
-    pub fn refined(
-        &self,
-        garment: &Mesh,
-        manifold: &Manifold,
-        levels: &[Level],
-        vertices: usize,
-    ) -> IdVec<VertexId, f32> {
-        let Some((density, Values::F32(values))) = self.density.map(|d| (d, &d.values)) else {
-            return IdVec::filled(self.max, vertices);
-        };
-        debug_assert_eq!(density.elements(), garment.points.len());
-        manifold.refine_rows(levels, density, values).into_iter().map(|w| self.of(w)).collect()
+    pub fn refined(&self, manifold: &Manifold, levels: &[Level], vertices: usize) -> IdVec<VertexId, f32> {
+        let density = self.density.and_then(|density| painted(manifold, levels, density));
+        density.map_or_else(|| IdVec::filled(self.max, vertices), |all| all.iter().map(|&w| self.of(w)).collect())
     }
+}
+
+/// A painted weight at each vertex of the finest level.
+pub fn painted(manifold: &Manifold, levels: &[Level], primvar: &Primvar) -> Option<IdVec<VertexId, f32>> {
+    let Values::F32(values) = &primvar.values else { return None };
+    Some(manifold.refine_rows(levels, primvar, values).into_iter().collect())
 }
 
 /// Shortens the lengths of vertices until none grows by more than `growth` per length away from another. `shorter` are

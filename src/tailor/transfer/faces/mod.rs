@@ -2,6 +2,7 @@
 //! other values, and the majority of sets.
 
 mod sets;
+mod teeth;
 mod uniform;
 
 pub(super) use sets::{FaceSets, carry_sets};

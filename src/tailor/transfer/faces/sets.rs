@@ -1,5 +1,6 @@
 //! Face subsets: each face belongs to the set that covers most of it.
 
+use super::teeth::join_teeth;
 use crate::transfer::correspondence::Correspondence;
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
@@ -17,7 +18,7 @@ pub(in crate::transfer) struct FaceSets {
 }
 
 /// For each face the set that it is in; none outside of all.
-type Labels = IdVec<FaceId, Option<u32>>;
+pub(super) type Labels = IdVec<FaceId, Option<u32>>;
 
 /// The face subsets of a garment on the simulation mesh, without isolated faces if `clean`.
 ///
@@ -41,7 +42,7 @@ pub(in crate::transfer) fn carry_sets(garment: &Mesh, map: &Correspondence<'_>, 
             _ => None,
         });
         let (members, sources): (Vec<usize>, Vec<&[FaceId]>) = members.unzip();
-        let mut labels = LabelledSource::new(&sources, map).of_faces();
+        let mut labels = LabelledSource::new(&sources, map).without_teeth();
         islands += if clean { clean_islands(&mut labels, map) } else { 0 };
         members.iter().for_each(|&i| sets[i] = Vec::new());
         for (face, label) in labels.enumerated() {
@@ -52,32 +53,35 @@ pub(in crate::transfer) fn carry_sets(garment: &Mesh, map: &Correspondence<'_>, 
     FaceSets { sets, groups, islands }
 }
 
-/// The faces of which a set covers the most, and the number of isolated ones among them that were moved.
+/// The faces of which a set covers the most, without teeth, and the number of isolated ones among them that were moved.
 fn independent_set(source: &[FaceId], map: &Correspondence<'_>, clean: bool) -> (Vec<FaceId>, usize) {
     let coverage = map.coverage;
     let mut is_in = IdVec::<FaceId, bool>::filled(false, coverage.faces.rows());
     source.iter().for_each(|&f| is_in[f] = true);
     let own: f64 = source.iter().map(|&f| coverage.source_area[f]).sum();
     let is_larger = || 2.0 * own >= coverage.source_area.iter().sum::<f64>();
-    let is_covered = |&face: &FaceId| {
-        let (mut inside, mut outside) = (0.0, 0.0);
-        for covered in coverage.sources.row(face) {
-            *(if is_in[covered.face] { &mut inside } else { &mut outside }) += covered.area;
-        }
+    // The areas inside and outside of the set.
+    let areas = |face: FaceId| {
+        let mut areas = [0.0; 2];
+        coverage.sources.row(face).iter().for_each(|covered| areas[usize::from(!is_in[covered.face])] += covered.area);
+        areas
+    };
+    let is_covered = |face: &FaceId| {
+        let [inside, outside] = areas(*face);
         inside > outside || inside == outside && is_larger()
     };
-    let mut faces: Vec<FaceId> = source.iter().flat_map(|&f| coverage.faces.row(f)).map(|c| c.face).collect();
-    faces.sort_unstable();
-    faces.dedup();
-    faces.retain(is_covered);
-    faces.extend(map.unsampled.iter().filter(|(_, source)| is_in[*source]).map(|(face, _)| *face));
-    faces.sort_unstable();
-    if !clean {
-        return (faces, 0);
-    }
+    let mut touched: Vec<FaceId> = source.iter().flat_map(|&f| coverage.faces.row(f)).map(|c| c.face).collect();
+    touched.sort_unstable();
+    touched.dedup();
     let mut labels = Labels::filled(None, map.mesh.topology.faces.len());
-    faces.iter().for_each(|&f| labels[f] = Some(0));
-    let islands = clean_islands(&mut labels, map);
+    let unsampled = map.unsampled.iter().filter(|(_, source)| is_in[*source]).map(|(face, _)| *face);
+    touched.iter().copied().filter(is_covered).chain(unsampled).for_each(|face| labels[face] = Some(0));
+    let share = |face: FaceId, label: Option<u32>| {
+        let [inside, outside] = areas(face);
+        (if label.is_some() { inside } else { outside }) / (inside + outside)
+    };
+    join_teeth(&mut labels, map, &touched, share);
+    let islands = if clean { clean_islands(&mut labels, map) } else { 0 };
     (labels.enumerated().filter(|(_, l)| l.is_some()).map(|(f, _)| f).collect(), islands)
 }
 
@@ -122,22 +126,41 @@ impl<'a> LabelledSource<'a> {
         Self { map, labels, area, unlabelled_area }
     }
 
+    /// The area of a face of the simulation mesh in each set that covers a part of it.
+    fn areas(&self, face: FaceId) -> Vec<(Option<u32>, f32)> {
+        let mut areas: Vec<(Option<u32>, f32)> = Vec::with_capacity(4);
+        for covered in self.map.coverage.sources.row(face) {
+            let label = self.labels[covered.face];
+            match areas.iter_mut().find(|a| a.0 == label) {
+                Some(sum) => sum.1 += covered.area,
+                None => areas.push((label, covered.area)),
+            }
+        }
+        areas
+    }
+
+    /// The labels of [`LabelledSource::of_faces`], without teeth.
+    fn without_teeth(&self) -> Labels {
+        let mut labels = self.of_faces();
+        let covered = self.map.coverage.sources.rows();
+        let faces: Vec<FaceId> = (0..covered).map(FaceId::new).filter(|&face| self.areas(face).len() > 1).collect();
+        let share = |face: FaceId, label: Option<u32>| {
+            let areas = self.areas(face);
+            let of_label = areas.iter().find(|area| area.0 == label).map_or(0.0, |area| area.1);
+            of_label / areas.iter().map(|area| area.1).sum::<f32>()
+        };
+        join_teeth(&mut labels, self.map, &faces, share);
+        labels
+    }
+
     /// The label that covers most of each face of the simulation mesh; of equals, that of the larger set.
     fn of_faces(&self) -> Labels {
         let sources = &self.map.coverage.sources;
         let label = |face: usize| {
-            let mut areas: Vec<(Option<u32>, f32)> = Vec::with_capacity(4);
-            for covered in sources.row(FaceId::new(face)) {
-                let label = self.labels[covered.face];
-                match areas.iter_mut().find(|a| a.0 == label) {
-                    Some(sum) => sum.1 += covered.area,
-                    None => areas.push((label, covered.area)),
-                }
-            }
             let most = |a: &(Option<u32>, f32), b: &(Option<u32>, f32)| {
                 b.1.total_cmp(&a.1).then_with(|| self.area_of(b.0).total_cmp(&self.area_of(a.0))).then(a.0.cmp(&b.0))
             };
-            areas.into_iter().min_by(most).and_then(|a| a.0)
+            self.areas(FaceId::new(face)).into_iter().min_by(most).and_then(|a| a.0)
         };
         let mut labels = Labels::from((0..sources.rows()).into_par_iter().map(label).collect::<Vec<_>>());
         self.map.unsampled.iter().for_each(|&(face, source)| labels[face] = self.labels[source]);

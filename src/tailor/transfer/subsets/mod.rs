@@ -13,12 +13,11 @@ use glam::{DVec3, Vec3};
 use std::sync::LazyLock;
 use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::error::Warnings;
-use tailor_mesh::garment::{Elements, Family, FamilyType, Mesh, Subset};
+use tailor_mesh::garment::{Elements, Family, FamilyType, Mesh, Primvar, Subset};
 
 /// The subsets of a simulation mesh.
 pub(super) struct CarriedSubsets {
     pub subsets: Vec<Subset>,
-    pub families: Vec<Family>,
     pub curves: Vec<SetCurve>,
     /// Number of isolated faces that were moved to a neighbour's set.
     pub islands: usize,
@@ -83,9 +82,18 @@ pub(super) fn carry_all(
         };
         subsets.push(Subset { elements, ..source });
     }
-    subsets.extend(named::constraint_sets(garment, map.product));
-    let families = families(garment, &subsets);
-    (CarriedSubsets { subsets, families, curves, islands: face_sets.islands }, warnings)
+    (CarriedSubsets { subsets, curves, islands: face_sets.islands }, warnings)
+}
+
+/// Adds the sets of borders and of the seams of `uvs`, which are on the simulation mesh. Returns the families of all sets.
+pub(super) fn add_constraints(
+    garment: &Mesh,
+    map: &Correspondence<'_>,
+    uvs: Option<&Primvar>,
+    subsets: &mut Vec<Subset>,
+) -> Vec<Family> {
+    subsets.extend(named::constraint_sets(garment, map, uvs));
+    families(garment, subsets)
 }
 
 /// The families of the garment, then those of our own subsets. A family of edges or points is unrestricted, because a

@@ -1,10 +1,11 @@
 //! Subsets that name creases and corners of the garment, and the constraints of the simulation mesh.
 
 use crate::sim::{Chain, SimProduct};
+use crate::transfer::correspondence::Correspondence;
 use crate::transfer::topology::edge_key;
 use std::collections::{BTreeMap, BTreeSet};
-use tailor_mesh::connectivity::VertexId;
-use tailor_mesh::garment::{CONSTRAINTS, Elements, Mesh, Subset, free_name};
+use tailor_mesh::connectivity::{Topology, VertexId};
+use tailor_mesh::garment::{CONSTRAINTS, Elements, Mesh, Primvar, Subset, UvSeams, free_name};
 
 /// Families of the subsets of creases, corners and constraints.
 pub(super) const FAMILIES: [&str; 3] = ["tailorCreases", "tailorCorners", CONSTRAINTS];
@@ -33,10 +34,14 @@ pub(super) fn sharp_sets(garment: &Mesh) -> Vec<Subset> {
     sets
 }
 
-/// The borders and seams of the simulation mesh as edge subsets.
-pub(super) fn constraint_sets(garment: &Mesh, product: &SimProduct) -> Vec<Subset> {
+/// The borders and seams of the simulation mesh as edge subsets. Where seams are no constraints, they are the cuts of `uvs`.
+pub(super) fn constraint_sets(garment: &Mesh, map: &Correspondence<'_>, uvs: Option<&Primvar>) -> Vec<Subset> {
+    let product = map.product;
     let borders = constrained_edges(product, |chain| chain.kind.border);
-    let seams = constrained_edges(product, |chain| chain.kind.seam);
+    let seams = match uvs {
+        Some(uvs) if !product.baseline.has_uvs => cut_edges(uvs, &map.mesh.topology),
+        _ => constrained_edges(product, |chain| chain.kind.seam),
+    };
     let sets = [("tailorBorders", borders), ("tailorSeams", seams)].into_iter().filter(|(_, edges)| !edges.is_empty());
     let set = |(name, edges)| Subset {
         name: free_name(name, |name| garment.subset(name).is_some()),
@@ -45,6 +50,12 @@ pub(super) fn constraint_sets(garment: &Mesh, product: &SimProduct) -> Vec<Subse
         sharpness: None,
     };
     sets.map(set).collect()
+}
+
+/// The edges across which UVs differ.
+fn cut_edges(uvs: &Primvar, t: &Topology) -> Vec<[VertexId; 2]> {
+    let seams = UvSeams::new(uvs, t);
+    t.edges.enumerated().filter(|(edge, _)| seams.is_cut(t, *edge)).map(|(_, &ends)| ends).collect()
 }
 
 /// The edges of some chains, each once: a chain between two pieces that were cut apart is there for both.

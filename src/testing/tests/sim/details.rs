@@ -4,7 +4,7 @@ use super::{baseline, prepare};
 use crate::built::{Built, build};
 use glam::Vec3;
 use tailor::codes;
-use tailor_mesh::garment::{Elements, Garment, SubsetInput};
+use tailor_mesh::garment::{Elements, Garment, PrimvarInput, SubsetInput};
 use tailor_testing::sheets;
 use tailor_testing::zoo;
 
@@ -42,6 +42,17 @@ fn piped() -> Garment {
     with_detail(input, (0..nx * ny).filter(is_in))
 }
 
+/// The same with a painted weight on the points inside of the set, instead of it.
+fn painted(weight: f32) -> Garment {
+    let [nx, ny] = SIZE;
+    let mut input = piped();
+    input.subsets.clear();
+    let is_inside = |i: usize| (5..12).contains(&(i % (nx + 1))) && (2..ny - 1).contains(&(i / (nx + 1)));
+    let weights = (0..input.points.len()).map(|i| if is_inside(i) { weight } else { 0.0 }).collect();
+    input.primvars.push(PrimvarInput::weights("detail", weights));
+    input
+}
+
 /// The largest height over the slope.
 fn height(built: &Built) -> f32 {
     built.products.sim.points.iter().map(|p| p.z - 0.5 * p.x).fold(0.0, f32::max)
@@ -57,6 +68,27 @@ fn a_detail_becomes_the_surface_around_it_and_the_render_mesh_keeps_it() {
     let figures = |built: &Built| built.products.sim_figures();
     assert!(figures(&smooth).faces < figures(&whole).faces);
     assert!(smooth.warnings.is_empty(), "{:?}", smooth.warnings);
+}
+
+#[test]
+fn a_painted_weight_blends_between_the_modelled_and_the_fair_surface() {
+    let weights = "sim.smoothWeights=detail";
+    let surface = |weight: f32| baseline(&prepare(painted(weight), &[weights]));
+    let (modelled, half, fair) = (surface(0.0), surface(0.5), surface(1.0));
+    assert_eq!(modelled.points, baseline(&prepare(piped(), &[])).points, "a weight of 0 changes nothing");
+    let height = |points: &[Vec3]| points.iter().map(|p| p.z - 0.5 * p.x).fold(0.0, f32::max);
+    let [whole, middle, none] = [&modelled, &half, &fair].map(|made| height(made.points.as_slice()));
+    assert!(whole > 0.5 && none < 0.05, "{whole} {none}");
+    assert!((middle - 0.5 * (whole + none)).abs() < 0.02, "{middle} is half way between {whole} and {none}");
+    // Where the paint fades, the blend does.
+    let between = modelled.points.iter().zip(half.points.iter()).zip(fair.points.iter());
+    for ((&modelled, &half), &fair) in between {
+        let far = modelled.distance(fair);
+        assert!((modelled.distance(half) + half.distance(fair) - far).abs() < 1e-4, "{half} is between");
+        assert!(modelled.distance(half) <= 0.5 * far + 1e-4, "{half}");
+    }
+    let built = build(painted(1.0), &["sim.maxEdgeLength=0.4", weights]);
+    assert!(built.warnings.is_empty() && self::height(&built) < 0.1, "{:?}", built.warnings);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
+use tailor_mesh::error::Warning;
 use tailor_mesh::files::{metadata, read};
 
 /// Words of the error of a file with another content than before.
@@ -21,6 +22,8 @@ struct Known {
     /// The state of packages, which are read in parts.
     packages: BTreeMap<PathBuf, State>,
     changed: BTreeSet<PathBuf>,
+    /// The metadata that were left out of each layer.
+    left_out: BTreeMap<PathBuf, Vec<&'static str>>,
 }
 
 /// Bytes and time of a file.
@@ -57,6 +60,23 @@ impl ReadFiles {
         let state = state(file)?;
         let before = *self.known().packages.entry(file.to_path_buf()).or_insert(state);
         if before == state { Ok(()) } else { Err(self.note_change(file)) }
+    }
+
+    /// Notes metadata that were left out of a layer.
+    pub fn leave_out(&self, layer: &Path, mut fields: Vec<&'static str>) {
+        fields.sort_unstable();
+        fields.dedup();
+        if !fields.is_empty() {
+            self.known().left_out.insert(layer.to_path_buf(), fields);
+        }
+    }
+
+    /// The warnings of what was left out.
+    pub fn left_out(&self) -> Vec<Warning> {
+        let warning = |(layer, fields): (&PathBuf, &Vec<&str>)| {
+            Warning::not_carried(layer.display(), format!("{}: flattened outputs are without them", fields.join(", ")))
+        };
+        self.known().left_out.iter().map(warning).collect()
     }
 
     fn note_change(&self, file: &Path) -> io::Error {

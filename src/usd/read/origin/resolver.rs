@@ -5,6 +5,7 @@ use super::text::{Readable, Refused, readable};
 use crate::assets::{BY_CONTENT, file_path, normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use openusd::sdf::FileFormat;
+use openusd::usdc::{CrateData, CrateFile, CrateWriter};
 use openusd::usdz::UsdzFileFormat;
 use std::borrow::Cow;
 use std::cell::RefCell;
@@ -19,50 +20,70 @@ const TEXT: &[u8] = b"#usda";
 /// Levels of braces in a text. Reading takes memory that grows with the square of the levels of prims.
 const MAX_LEVELS: usize = 1000;
 
-/// Kinds of values in a crate, and the mark of a list of them.
-const STRING: u8 = 10;
-const ASSET: u8 = 12;
+/// Kinds of values in a crate, `string`, `asset` and `pathExpression`, and the mark of a list of them.
+const LISTS: [u8; 3] = [10, 12, 57];
 const ARRAY: u8 = 0x80;
+/// The place of unused bytes in the header of a crate, which are 0.
+const NO_LENGTH: usize = 24;
 
 /// Whether the bytes of a layer are text.
 fn is_text(bytes: &[u8]) -> bool {
     bytes.starts_with(TEXT)
 }
 
-/// The bytes of a layer in a form that the library reads.
+/// The bytes of a layer in a form that the library reads. `leave_out` hears of the metadata that it has no more.
 ///
 /// # Errors
 /// A text of too many levels, with what OpenUSD refuses, or with letters beyond ASCII that cannot be parsed.
-fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+fn readable_layer(bytes: Vec<u8>, leave_out: impl Fn(Vec<&'static str>)) -> io::Result<ar::AssetBuffer> {
     if !is_text(&bytes) {
         return Ok(with_empty_lists(bytes));
     }
     check_levels(&bytes)?;
-    match readable(&bytes) {
+    let mut readable = readable(&bytes);
+    leave_out(std::mem::take(&mut readable.left_out));
+    Ok(ar::AssetBuffer::Owned(match readable {
         Readable { refused: Some(Refused { line, what }), .. } => {
-            Err(io::Error::other(format!("line {line} has {what}")))
+            return Err(io::Error::other(format!("line {line} has {what}")));
         }
-        Readable { text, letters: Some(letters), .. } => letters.encode(&text),
-        Readable { text: Cow::Owned(text), .. } => Ok(text),
-        Readable { text: Cow::Borrowed(_), .. } => Ok(bytes),
-    }
+        Readable { text, letters: Some(letters), .. } => letters.encode(&text)?,
+        Readable { text: Cow::Owned(text), .. } => text,
+        Readable { text: Cow::Borrowed(_), .. } => bytes,
+    }))
 }
 
-/// A crate with a place for the empty lists of texts in its dictionaries.
+/// A crate with a place for its empty lists of texts. OpenUSD gives them the place 0, where the library reads the first bytes of the
+/// file as their length.
 ///
-/// A value in a dictionary is the number of bytes up to its reference, and this reference: a kind and a place. OpenUSD gives an
-/// empty list the place 0, where the library reads the first bytes of the file as its length. As numbers, these 16 bytes are 8 and
-/// one that no garment has.
-fn with_empty_lists(mut bytes: Vec<u8>) -> Vec<u8> {
-    let is_empty_list = |at: &[u8]| at[0] == 8 && at[1..14] == [0; 13] && matches!(at[14..], [STRING | ASSET, ARRAY]);
-    let found: Vec<usize> =
-        (8..bytes.len().saturating_sub(7)).filter(|&at| is_empty_list(&bytes[at - 8..at + 8])).collect();
-    let length_of_none = (bytes.len() as u64).to_le_bytes();
-    found.iter().for_each(|&at| bytes[at..at + 6].copy_from_slice(&length_of_none[..6]));
-    if !found.is_empty() {
-        bytes.extend([0; 8]);
+/// A value in a dictionary is the number of bytes up to its reference, and this reference: a kind and a place. As numbers, these
+/// 16 bytes of an empty list are 8 and one that no garment has. References of fields are packed, so that a crate with such a
+/// field is written anew by the library.
+fn with_empty_lists(mut bytes: Vec<u8>) -> ar::AssetBuffer {
+    if bytes.get(NO_LENGTH..NO_LENGTH + 8) != Some(&[0; 8]) {
+        return ar::AssetBuffer::Owned(bytes);
     }
-    bytes
+    let is_empty_list = |at: &[u8]| at[0] == 8 && at[1..14] == [0; 13] && LISTS.contains(&at[14]) && at[15] == ARRAY;
+    for at in 8..bytes.len() - 7 {
+        if is_empty_list(&bytes[at - 8..at + 8]) {
+            bytes[at] = NO_LENGTH as u8;
+        }
+    }
+    let bytes = ar::AssetBuffer::Owned(bytes).into_shared();
+    // A crate that cannot be read or written is left to be opened, which tells the fault.
+    let written = CrateFile::open(bytes.clone()).ok().and_then(with_empty_fields);
+    written.map_or(ar::AssetBuffer::Shared(bytes), ar::AssetBuffer::Owned)
+}
+
+/// A crate whose fields have empty lists of texts, written anew. None of other crates.
+fn with_empty_fields(mut file: CrateFile) -> Option<Vec<u8>> {
+    let is_empty_list = |rep: u64| LISTS.iter().any(|&kind| rep == u64::from_be_bytes([ARRAY, kind, 0, 0, 0, 0, 0, 0]));
+    let reps = file.fields.iter_mut().map(|field| &mut field.value_rep.0).filter(|rep| is_empty_list(**rep));
+    if reps.map(|rep| *rep |= NO_LENGTH as u64).count() == 0 {
+        return None;
+    }
+    let mut written = Cursor::new(Vec::new());
+    CrateWriter::write(&CrateData::from_file(file, true).ok()?, &mut written).ok()?;
+    Some(written.into_inner())
 }
 
 /// Finds files where OpenUSD finds them, and opens regular files only.
@@ -178,7 +199,7 @@ impl Resolver for Files {
         if let Some(content) = self.layer(resolved_path) {
             // The content of a crate is shared.
             return Ok(shared(match is_text(content) {
-                true => ar::AssetBuffer::Owned(readable_layer(content.to_vec())?),
+                true => readable_layer(content.to_vec(), |_| ())?,
                 false => ar::AssetBuffer::from(Arc::clone(content)),
             }));
         }
@@ -198,7 +219,7 @@ impl Resolver for Files {
         }
         let bytes =
             if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read_file(&package)? };
-        Ok(shared(ar::AssetBuffer::Owned(readable_layer(bytes)?)))
+        Ok(shared(readable_layer(bytes, |fields| self.read.leave_out(resolved_path, fields))?))
     }
 
     fn is_context_dependent_path(&self, asset_path: &str) -> bool {

@@ -1,7 +1,7 @@
 //! Text layers in the words that the USD library reads.
 //!
-//! OpenUSD's text files may have numbers such as `.5` and `1.`, comments after `//`, the old word `config`, and `yes` and
-//! `no`. The library calls such files damaged. Lines keep their numbers.
+//! OpenUSD's text files may have numbers such as `.5` and `1.`, comments after `//`, the old word `config`, `yes` and `no`, `active = 1`,
+//! and escaped quotes in long strings. The library calls such files damaged. Lines keep their numbers.
 
 use super::letters::Letters;
 use std::borrow::Cow;
@@ -10,11 +10,19 @@ use std::collections::HashSet;
 /// Versions of text layers begin with this.
 const VERSION: &[u8] = b"#usda 1.";
 
+/// Metadata that are true or false. OpenUSD takes numbers for them.
+const FLAGS: [&[u8]; 4] = [b"active", b"instanceable", b"hidden", b"noLoadHint"];
+
+/// Metadata of prims that the library does not read, and no program uses any more.
+const LEFT_OUT: [&str; 4] = ["prefixSubstitutions", "suffixSubstitutions", "symmetryArguments", "symmetryFunction"];
+
 /// A text in words that the library reads.
 pub struct Readable<'a> {
     pub text: Cow<'a, [u8]>,
     /// Restores words that had letters beyond ASCII, if there were any.
     pub letters: Option<Letters>,
+    /// The fields of [`LEFT_OUT`] that were there.
+    pub left_out: Vec<&'static str>,
     /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a path that a list has
     /// twice.
     pub refused: Option<Refused>,
@@ -39,6 +47,7 @@ pub fn readable(text: &[u8]) -> Readable<'_> {
         last: b'\n',
         begins: true,
         letters: None,
+        left_out: Vec::new(),
         listed: None,
         refused: None,
     };
@@ -49,10 +58,11 @@ pub fn readable(text: &[u8]) -> Readable<'_> {
     let line_of = |at: usize| 1 + text[..at].iter().filter(|&&byte| byte == b'\n').count();
     let refused = scanner.refused.map(|(at, what)| Refused { line: line_of(at), what });
     if scanner.copied == 0 {
-        return Readable { text: Cow::Borrowed(text), letters: None, refused };
+        return Readable { text: Cow::Borrowed(text), letters: None, left_out: Vec::new(), refused };
     }
     scanner.out.extend_from_slice(&text[scanner.copied..]);
-    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters, refused }
+    let Scanner { out, letters, left_out, .. } = scanner;
+    Readable { text: Cow::Owned(out), letters, left_out, refused }
 }
 
 /// Reads a text once, and copies what changes.
@@ -68,6 +78,7 @@ struct Scanner<'a> {
     begins: bool,
     /// Escapes letters beyond ASCII; none before the first of them.
     letters: Option<Letters>,
+    left_out: Vec<&'static str>,
     /// The paths of the list so far, each with its file before it; none outside of a list.
     listed: Option<HashSet<&'a [u8]>>,
     /// The first part that OpenUSD refuses, and what it is.
@@ -182,10 +193,16 @@ impl<'a> Scanner<'a> {
 
     fn string(&mut self, quote: u8) {
         let three = [quote; 3];
-        let end = if self.rest().starts_with(&three) { &three[..] } else { &three[..1] };
+        let is_long = self.rest().starts_with(&three);
+        let end = if is_long { &three[..] } else { &three[..1] };
         self.at += end.len();
         while self.at < self.text.len() && !self.rest().starts_with(end) {
-            self.at += if self.peek(0) == b'\\' { 2 } else { 1 };
+            match [self.peek(0), self.peek(1)] {
+                // The library ends a long string at escaped quotes.
+                [b'\\', next] if is_long && next == quote => self.replace(2, format!("\\x{quote:02x}").as_bytes()),
+                [b'\\', _] => self.at += 2,
+                _ => self.at += 1,
+            }
         }
         self.at = (self.at + end.len()).min(self.text.len());
     }
@@ -222,12 +239,45 @@ impl<'a> Scanner<'a> {
             b"yes" if is_value => self.replace(len, b"true"),
             b"no" if is_value => self.replace(len, b"false"),
             b"config" if begins && self.is_declaration(len) => self.replace(len, b"uniform"),
+            word if begins && let Some(name) = LEFT_OUT.into_iter().find(|name| name.as_bytes() == word) => {
+                self.leave_out(name);
+            }
+            word if (begins || self.last == b'(') && FLAGS.contains(&word) => self.flag(len),
             _ => self.at += len,
         }
         // After a property's name, digits are not a number of their own.
         if self.peek(0) == b'.' {
             self.at += 1;
         }
+    }
+
+    /// Goes behind a flag, and replaces a number that it is set to.
+    fn flag(&mut self, len: usize) {
+        self.at += len;
+        let rest = self.rest();
+        let gap = rest.iter().take_while(|byte| matches!(byte, b' ' | b'\t' | b'=')).count();
+        let number = rest[gap..].iter().take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
+        if number > 0 && rest[..gap].contains(&b'=') {
+            let is_set = rest[gap..gap + number].iter().any(|byte| matches!(byte, b'1'..=b'9'));
+            self.at += gap;
+            self.replace(number, if is_set { &b"true"[..] } else { b"false" });
+        }
+    }
+
+    /// Replaces a field, whose value is a word or a dictionary, by the ends of its lines.
+    fn leave_out(&mut self, name: &'static str) {
+        let rest = &self.rest()[name.len()..];
+        let (mut levels, mut is_text) = (0, false);
+        let is_inside = |byte: &&u8| {
+            is_text ^= **byte == b'"';
+            levels += i32::from(!is_text && **byte == b'{') - i32::from(!is_text && **byte == b'}');
+            levels > 0 || levels == 0 && !matches!(byte, b'\n' | b'}' | b';' | b')')
+        };
+        let len = rest.iter().take_while(is_inside).count();
+        let len = len + usize::from(rest.get(len) == Some(&b'}'));
+        let ends = rest[..len].iter().filter(|&&byte| byte == b'\n').count();
+        self.replace(name.len() + len, &b"\n".repeat(ends));
+        self.left_out.push(name);
     }
 
     /// Replaces a word that has letters beyond ASCII.
@@ -270,6 +320,12 @@ mod tests {
             ("instanceable = yes", "instanceable = true"),
             ("bool[] a = [\n    yes, no, true]", "bool[] a = [\n    true, false, true]"),
             ("{\n    config float a = 1.", "{\n    uniform float a = 1.0"),
+            ("(\n    active = 1\n    instanceable=0\n)", "(\n    active = true\n    instanceable=false\n)"),
+            ("int a = 1 (hidden = 1.0)", "int a = 1 (hidden = true)"),
+            ("(\n    symmetryFunction = mirror\n    active = true\n)", "(\n    \n    active = true\n)"),
+            ("(\n    prefixSubstitutions = {\n    \"$}\": \"b\"\n    }\n)", "(\n    \n\n\n)"),
+            ("doc = '''a\\''' b'''", "doc = '''a\\x27'' b'''"),
+            ("doc = \"\"\"\\\"\"\"\"", "doc = \"\"\"\\x22\"\"\""),
         ] {
             let read = readable(text.as_bytes());
             assert_eq!(String::from_utf8_lossy(&read.text), expected, "{text}");
@@ -324,6 +380,9 @@ mod tests {
             "/* // .5 */ float a = 1.5",
             "# // .5 1.",
             "float config = 1",
+            "int active = 1",
+            "token symmetryFunction = \"a\"",
+            "active = true",
             "token yes = \"no\"",
             "string a = \"not closed .5",
         ] {
