@@ -124,6 +124,7 @@ pub fn run(command: &Fit) -> Result<Output, Error> {
     if let Some(file) = report_file {
         report::check_target(file, command.force)?;
     }
+    command.inputs.refuse_options_of_build()?;
     memory::hold(command.limits.max_memory);
     let tasks = tasks(command)?;
     // Kept to the end, when it goes again if nothing is in it.
@@ -345,7 +346,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let opened = command.inputs.open(&task.input)?;
     check_target(&opened[0].source, &task.output, command.force)?;
     let body = |file: &Path| {
-        let read = ReadOptions { prim: command.body_prim.clone(), ..ReadOptions::default() };
+        let read = ReadOptions { prim: command.body_prim.clone(), time: command.inputs.time, ..ReadOptions::default() };
         Source::open(file, &read).map_err(of_body)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
@@ -393,6 +394,13 @@ fn bodies(command: &Fit, garment: &Source, files: &[Source; 2]) -> Result<Bodies
     let [from, to] = [body_of(garment, &files[0])?, body_of(garment, &files[1])?];
     let Some(file) = &command.pairs else { return Bodies::new(&from, &to) };
     let [of_from, of_to] = files.each_ref().map(|body| stage_to_garment(garment, body));
+    let pairs = pairs::read(file)?;
+    pairs::check(
+        file,
+        &pairs,
+        files,
+        &[(&from, of_from), (&to, of_to)].map(|(mesh, map)| pairs::bounds(mesh, map.inverse())),
+    )?;
     let placed = |[a, b]: [DVec3; 2]| [of_from.transform_point3(a), of_to.transform_point3(b)];
-    Bodies::by_pairs(&from, &to, &pairs::read(file)?.into_iter().map(placed).collect::<Vec<_>>())
+    Bodies::by_pairs(&from, &to, &pairs.into_iter().map(placed).collect::<Vec<_>>())
 }

@@ -34,6 +34,8 @@ declare_codes! {
         FIT_CROSSES = "fit-crosses";
     }
     quality {
+        /// Parts of one body are turned over on the other.
+        BODIES_FOLDED = "bodies-folded";
     }
     notes {
         /// UV shells are not patterns of the mesh.
