@@ -38,6 +38,8 @@ declare_codes! {
         BODIES_FOLDED = "bodies-folded";
     }
     notes {
+        /// A level of detail has a mesh of the level before it.
+        LEVEL_REPEATS = "level-repeats";
         /// UV shells are not patterns of the mesh.
         NO_PATTERN = "no-pattern";
     }

@@ -436,3 +436,25 @@ def test_options_of_a_build_are_refused(usdtailor, sleeve, tmp_path):
     for option in (["--lods", "3"], ["--physics", "omni"], ["--provenance"]):
         done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, *option, code=2)
         assert f"{option[0]}: it is of products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
+
+
+def test_what_a_fit_leaves_on_the_garment_is_named(usdtailor, sleeve, tmp_path):
+    # A pocket of the same file, a mesh beside the garment, a blend shape, and a transform of the bind pose.
+    def finish(mesh):
+        stage, prim = mesh.GetPrim().GetStage(), mesh.GetPrim()
+        points = np.array(mesh.GetPointsAttr().Get())[[100, 101, 125, 124]] * (1.01, 1, 1.01)
+        define(stage, "/Coat/pocket", (points, np.array([4]), np.arange(4)))
+        define(stage, "/Coat/chair", (points + (3, 0, 0), np.array([4]), np.arange(4)))
+        shape = stage.DefinePrim("/Coat/model/fat", "BlendShape")
+        shape.CreateAttribute("offsets", Sdf.ValueTypeNames.Vector3fArray).Set([(0.1, 0, 0)] * len(mesh.GetPointsAttr().Get()))
+        bind = prim.CreateAttribute("primvars:skel:geomBindTransform", Sdf.ValueTypeNames.Matrix4d)
+        bind.Set(Gf.Matrix4d(2))
+
+    paths, out = sleeve(finish), tmp_path / "out.usda"
+    args = [paths["sleeve"], "--prim", "/Coat/model", "--from", paths["arm"], "--to", paths["plump"], "-o"]
+    done = fit(usdtailor, *args, out)
+    for words in ("/Coat/pocket: not carried: it lies on /Coat/model", "/Coat/model/fat: not carried: its offsets", "geomBindTransform: not carried"):
+        assert words in done.stderr, done.stderr
+    assert "chair" not in done.stderr
+    fit(usdtailor, *args, tmp_path / "strict.usda", "--strict", code=1)
+    assert not (tmp_path / "strict.usda").exists()

@@ -32,7 +32,7 @@ pub struct Bodies {
     /// Points of the body that it is to fit. \[mesh units\]
     pub(super) to: Vec<DVec3>,
     /// The body that the garment was made for, where it has other faces.
-    first: Option<Box<Bodies>>,
+    pub(super) first: Option<Box<Bodies>>,
     /// Share of the area that is turned over on the first body.
     pub(super) folded: f64,
 }
@@ -109,7 +109,7 @@ impl Bodies {
         self.first.as_deref().unwrap_or(self)
     }
 
-    /// The bodies with the second one below a cage at the start, but for faces that cross the first one: where it is coarser, its
+    /// The bodies with the second one below a cage at the start, except for faces that cross the first one: where it is coarser, its
     /// faces reach out of hollows.
     pub(super) fn below(&self, cage: &Cage, points: &[DVec3], crossing: &CrossingFaces) -> Cow<'_, Self> {
         if self.first.is_none() {
