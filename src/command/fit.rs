@@ -124,6 +124,7 @@ impl Results {
 /// Fits each garment to each body.
 pub fn run(command: &Fit) -> Result<Output, Error> {
     let prints_report = command.report.as_deref().is_some_and(report::is_printed);
+    command.inputs.refuse_options_of_build()?;
     memory::hold(command.limits.max_memory);
     let mut tasks = tasks(command)?;
     if tasks.len() == 1 || command.variant_set.is_some() {
@@ -350,7 +351,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let opened = command.inputs.open(&task.input)?;
     check_target(&opened[0].source, &task.output, command.force)?;
     let body = |file: &Path| {
-        let read = ReadOptions { prim: command.body_prim.clone(), ..ReadOptions::default() };
+        let read = ReadOptions { prim: command.body_prim.clone(), time: command.inputs.time, ..ReadOptions::default() };
         Source::open(file, &read).map_err(of_body)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];
@@ -396,6 +397,13 @@ fn bodies(command: &Fit, garment: &Source, files: &[Source; 2]) -> Result<Bodies
     let [from, to] = [body_of(garment, &files[0])?, body_of(garment, &files[1])?];
     let Some(file) = &command.pairs else { return Bodies::new(&from, &to) };
     let [of_from, of_to] = files.each_ref().map(|body| stage_to_garment(garment, body));
+    let pairs = pairs::read(file)?;
+    pairs::check(
+        file,
+        &pairs,
+        files,
+        &[(&from, of_from), (&to, of_to)].map(|(mesh, map)| pairs::bounds(mesh, map.inverse())),
+    )?;
     let placed = |[a, b]: [DVec3; 2]| [of_from.transform_point3(a), of_to.transform_point3(b)];
-    Bodies::by_pairs(&from, &to, &pairs::read(file)?.into_iter().map(placed).collect::<Vec<_>>())
+    Bodies::by_pairs(&from, &to, &pairs.into_iter().map(placed).collect::<Vec<_>>())
 }

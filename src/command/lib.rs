@@ -329,6 +329,15 @@ impl Inputs {
         })
     }
 
+    /// Refuses flags of products, where none are made.
+    fn refuse_options_of_build(&self) -> Result<(), Error> {
+        let flags =
+            [("--lods", self.lods.is_some()), ("--physics", self.physics.is_some()), ("--provenance", self.provenance)];
+        let Some((flag, _)) = flags.into_iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
+        let fault = usage(flag, "it is of products, which this command does not make");
+        Err(fault.code(tailor_mesh::codes::COMMAND_LINE).remedy("leave it out, and give it to `usdtailor build`"))
+    }
+
     /// An input file with the options of the command line.
     fn input(&self, file: &Path) -> Input {
         let provenance = self.provenance.then(|| "sim.provenance=true".to_owned());

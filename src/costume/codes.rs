@@ -34,8 +34,12 @@ declare_codes! {
         FIT_CROSSES = "fit-crosses";
     }
     quality {
+        /// Parts of one body are turned over on the other.
+        BODIES_FOLDED = "bodies-folded";
     }
     notes {
+        /// A level of detail has a mesh of the level before it.
+        LEVEL_REPEATS = "level-repeats";
         /// UV shells are not patterns of the mesh.
         NO_PATTERN = "no-pattern";
     }

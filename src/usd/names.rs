@@ -80,6 +80,8 @@ pub const SKEL_SKELETON: &str = "skel:skeleton";
 pub const SKEL_ANIMATION_SOURCE: &str = "skel:animationSource";
 pub const SKEL_JOINTS: &str = "skel:joints";
 pub const SKEL_SKINNING_METHOD: &str = "skel:skinningMethod";
+/// The place of a skinned mesh in the bind pose.
+pub const GEOM_BIND_TRANSFORM: &str = "primvars:skel:geomBindTransform";
 pub const SKEL_BLEND_SHAPES: &str = "skel:blendShapes";
 pub const SKEL_BLEND_SHAPE_TARGETS: &str = "skel:blendShapeTargets";
 pub const OFFSETS: &str = "offsets";

@@ -74,7 +74,7 @@ def test_pairs_of_points_stand_in_for_common_faces(usdtailor, sleeve, tmp_path):
     fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "same.usda")
     fitted = Triangles(out)
     assert not crossings(fitted, Triangles(bare))[0] and abs(fitted.points - Triangles(tmp_path / "same.usda").points).max() < 0.1
-    for text, words, code in (("1 2 3 4 5", "line 1 has not six numbers", 2), ("1 2 3 4 5 6\n" * 3, "3 pairs", 1), ("1 2 3 4 5 6\n" * 9, "one plane", 1)):
+    for text, words, code in (("1 2 3 4 5", "line 1 has not six numbers", 2), ("1 0 0 1.5 0 0\n" * 3, "3 pairs", 1), ("1 0 0 1.5 0 0\n" * 9, "one plane", 1), ("1 0 0 1.5 90 0\n" * 9, "second points are not at", 1)):
         pairs.write_text(text)
         done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", bare, "--pairs", pairs, "-o", tmp_path / "bad.usda", code=code)
         assert words in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
@@ -252,7 +252,9 @@ def test_what_is_wrong_with_bodies_is_told_and_nothing_is_written(usdtailor, sle
 def test_a_garment_that_is_not_on_its_body_is_told(usdtailor, sleeve, tmp_path):
     far = write_tube(tmp_path / "far.usda", tube(1.2, 4, AROUND, 10)[0], finish=lambda mesh: UsdGeom.Xformable(mesh).AddTranslateOp().Set((40, 0, 0)))
     inside = write_tube(tmp_path / "inside.usda", tube(0.8, 4, AROUND, 10)[0])
-    for source, words in ((far, "away from the body"), (inside, "inside the body")):
+    beside = write_tube(tmp_path / "beside.usda", tube(1.2, 4, AROUND, 10)[0], finish=lambda mesh: UsdGeom.Xformable(mesh).AddTranslateOp().Set((2.5, 0, 0)))
+    large = write_tube(tmp_path / "large.usda", tube(1.8, 6, AROUND, 10)[0])
+    for source, words in ((far, "away from the body"), (inside, "inside the body"), (beside, "away from the body"), (large, "away from the body")):
         paths, out = sleeve(), tmp_path / "out.usda"
         done = fit(usdtailor, source, "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--force")
         assert "off-body" in done.stderr and words in done.stderr, done.stderr
@@ -321,3 +323,138 @@ def test_several_bodies_make_a_folder_and_a_bad_one_does_not_stop_the_others(usd
     assert [entry["status"] for entry in json.loads(report.read_text())["fits"]] == ["fitted", "failed", "fitted"]
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], paths["thick"], "-o", tmp_path / "twice", code=1)
     assert "two outputs" in done.stderr and not (tmp_path / "twice").exists()
+
+
+def test_pairs_in_another_unit_or_axis_are_refused_with_the_likely_one(usdtailor, sleeve, tmp_path):
+    paths, pairs, out = sleeve(), tmp_path / "pairs.txt", tmp_path / "out.usda"
+    shape, _ = tube(1.5, 8, 30, 37)
+    shape[0][:] = np.stack([shape[0][:, 0], -shape[0][:, 2], shape[0][:, 1]], axis=1) / 100
+    metres = write_tube(tmp_path / "metres.usda", shape, up="Z", unit=1)
+    for scale, turns, words in ((1, False, "a unit of 0.01 m and Y up"), (0.01, False, "a unit of 1 m and Y up"), (1, True, "a unit of 0.01 m and Z up"), (0.01, True, None)):
+        lines = []
+        for y in (-4, 0, 4):
+            for angle in np.linspace(0, 2 * np.pi, 8, endpoint=False):
+                x, z = math.sin(angle), math.cos(angle)
+                second = np.array((1.5 * x, -1.5 * z, y) if turns else (1.5 * x, y, 1.5 * z)) * scale
+                lines.append(f"{x} {y} {z} {second[0]} {second[1]} {second[2]}")
+        pairs.write_text("\n".join(lines))
+        done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", metres, "--pairs", pairs, "-o", out, code=1 if words else 0)
+        assert words is None or (f"they fit in {words}" in done.stderr and "metres.usda" in done.stderr and not out.exists()), done.stderr
+    assert abs(np.median(radii(Triangles(out).points)) - 1.75) < 0.1
+
+
+def shared_uvs(around, along):
+    """UVs of a tube both halves of which, left and right, have the same."""
+    uvs = tube(1, 1, around, along)[1]
+    uvs[:, 0] = np.minimum(uvs[:, 0], 1 - uvs[:, 0])
+    return uvs
+
+
+def test_halves_that_share_their_uvs_stay_on_their_sides(usdtailor, sleeve, tmp_path):
+    # Bodies of other faces, also where one has been turned about by 180 degrees.
+    arm = write_tube(tmp_path / "shared_arm.usda", tube(1, 8, 20, 24)[0], shared_uvs(20, 24))
+    shape = tube(1.5, 8, 30, 37)[0]
+    paths, thick, out = sleeve(), write_tube(tmp_path / "shared_thick.usda", shape, shared_uvs(30, 37)), tmp_path / "out.usda"
+    fit(usdtailor, paths["sleeve"], "--from", arm, "--to", thick, "-o", out, "--strict")
+    fitted = Triangles(out)
+    assert abs(radii(fitted.points) - 1.75).max() < 0.12 and not any(crossings(fitted, Triangles(thick)))
+    shape[0][:, [0, 2]] *= -1
+    turned = write_tube(tmp_path / "turned.usda", shape, shared_uvs(30, 37))
+    done = fit(usdtailor, paths["sleeve"], "--from", arm, "--to", turned, "-o", tmp_path / "bad.usda", code=1)
+    assert "turned over" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+
+
+@pytest.mark.parametrize("way", ["uvs", "pairs"])
+def test_what_is_smaller_than_a_face_of_the_first_body_is_not_inside_the_cloth(usdtailor, tmp_path, way):
+    # A belly on one side, between the vertices of a coarse arm.
+    shape, uvs = tube(1, 8, 72, 90)
+    bump = np.exp(-(((shape[0] - (0, 0.3, 1)) / 0.25) ** 2).sum(axis=1))
+    shape[0][:] *= 1 + 0.6 * bump[:, None] * (1, 0, 1)
+    coarse, fine = write_tube(tmp_path / "coarse.usda", *tube(1, 8, 8, 8)), write_tube(tmp_path / "fine.usda", shape, uvs)
+    coat, out, report = write_tube(tmp_path / "coat.usda", tube(1.2, 4, 48, 20)[0]), tmp_path / "out.usda", tmp_path / "report.json"
+    pairs = tmp_path / "pairs.txt"
+    pairs.write_text("\n".join(" ".join(f"{v:.5f}" for v in (*p, *p)) for p in tube(1, 8, 8, 4)[0][0]))
+    fit(usdtailor, coat, "--from", coarse, "--to", fine, "-o", out, "--report", report, "--strict", *(["--pairs", pairs] if way == "pairs" else []))
+    fitted, body = Triangles(out), Triangles(fine)
+    assert not any(crossings(fitted, body)) and radii(fitted.points).max() > 1.6
+    (figures,) = json.loads(report.read_text())["garments"]
+    gaps = np.linalg.norm(fitted.points[:, None] - body.points[None], axis=2).min(axis=1)
+    assert figures["bodyCrossings"] == {"before": 0, "after": 0, "new": 0} and abs(figures["distance"]["mean"][1] - gaps.mean()) < 0.02
+
+
+def test_a_coarser_body_whose_faces_reach_out_of_hollows_holds_the_cloth(usdtailor, tmp_path):
+    # An hourglass: the faces of the coarse one pass the waist of the fine one outside of cloth that is close to it.
+    def hourglass(radius, around, along):
+        (points, counts, quads), uvs = tube(radius, 8, around, along)
+        points[:, [0, 2]] *= (1 - 0.4 * np.cos(np.pi * points[:, 1:2] / 8) ** 8)
+        return (points, counts, quads), uvs
+
+    fine, coarse = write_tube(tmp_path / "fine.usda", *hourglass(1, 60, 80)), write_tube(tmp_path / "coarse.usda", *hourglass(1.4, 24, 9))
+    close = hourglass(1.06, 48, 60)[0]
+    close[0][:, 1] *= 0.6
+    close[0][:, [0, 2]] = 1.06 / np.hypot(close[0][:, 0], close[0][:, 2])[:, None] * close[0][:, [0, 2]] * (1 - 0.4 * np.cos(np.pi * close[0][:, 1:2] / 8) ** 8)
+    coat, out = write_tube(tmp_path / "coat.usda", close), tmp_path / "out.usda"
+    fit(usdtailor, coat, "--from", fine, "--to", coarse, "-o", out, "--strict")
+    assert not crossings(Triangles(coat), Triangles(fine))[0] and not crossings(Triangles(out), Triangles(coarse))[0]
+
+
+def test_points_without_faces_do_not_make_another_body(usdtailor, sleeve, tmp_path):
+    paths, outs = sleeve(), [tmp_path / f"{n}.usda" for n in range(2)]
+    (points, counts, quads), _ = tube(1.5, 8, 20, 24, bulge=0.4)
+    extra = write_tube(tmp_path / "extra.usda", (np.concatenate([[(99, 99, 99)], points, [(0, 99, 0)]]), counts, quads + 1))
+    for to, out in zip((paths["thick"], extra), outs, strict=True):
+        fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", to, "-o", out, "--strict")
+    assert np.array_equal(Triangles(outs[0]).points, Triangles(outs[1]).points)
+
+
+def test_a_body_that_moves_is_read_at_the_time_that_is_given(usdtailor, sleeve, tmp_path):
+    def moves(mesh):
+        points = np.array(mesh.GetPointsAttr().Get())
+        mesh.GetPointsAttr().Clear()
+        for time in (1, 5):
+            mesh.GetPointsAttr().Set((points * (1, time, 1)).astype(np.float32), time)
+
+    paths, out = sleeve(), tmp_path / "out.usda"
+    moving = write_tube(tmp_path / "moving.usda", *tube(1, 8, 20, 24), finish=moves)
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", moving, "-o", out, code=1)
+    assert "--time" in done.stderr and not out.exists(), done.stderr
+    fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", moving, "--time", 1.5, "-o", out)
+    assert abs(np.ptp(Triangles(out).points[:, 1]) - 4 * 1.5) < 0.3
+
+
+def test_a_body_inside_out_is_a_body(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "out.usda"
+    for name, radius in (("arm", 1), ("thick", 1.5)):
+        (points, counts, quads), uvs = tube(radius, 8, 20, 24)
+        write_tube(tmp_path / f"{name}_flipped.usda", (points, counts, quads.reshape(-1, 4)[:, ::-1].ravel()))
+    fit(usdtailor, paths["sleeve"], "--from", tmp_path / "arm_flipped.usda", "--to", tmp_path / "thick_flipped.usda", "-o", out, "--strict")
+    fit(usdtailor, write_tube(tmp_path / "inside.usda", tube(0.8, 4, AROUND, 10)[0]), "--from", tmp_path / "arm_flipped.usda", "--to", tmp_path / "thick_flipped.usda", "-o", tmp_path / "bad.usda", "--strict", code=1)
+
+
+def test_options_of_a_build_are_refused(usdtailor, sleeve, tmp_path):
+    paths, out = sleeve(), tmp_path / "out.usda"
+    for option in (["--lods", "3"], ["--physics", "omni"], ["--provenance"]):
+        done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, *option, code=2)
+        assert f"{option[0]}: it is of products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
+
+
+def test_what_a_fit_leaves_on_the_garment_is_named(usdtailor, sleeve, tmp_path):
+    # A pocket of the same file, a mesh beside the garment, a blend shape, and a transform of the bind pose.
+    def finish(mesh):
+        stage, prim = mesh.GetPrim().GetStage(), mesh.GetPrim()
+        points = np.array(mesh.GetPointsAttr().Get())[[100, 101, 125, 124]] * (1.01, 1, 1.01)
+        define(stage, "/Coat/pocket", (points, np.array([4]), np.arange(4)))
+        define(stage, "/Coat/chair", (points + (3, 0, 0), np.array([4]), np.arange(4)))
+        shape = stage.DefinePrim("/Coat/model/fat", "BlendShape")
+        shape.CreateAttribute("offsets", Sdf.ValueTypeNames.Vector3fArray).Set([(0.1, 0, 0)] * len(mesh.GetPointsAttr().Get()))
+        bind = prim.CreateAttribute("primvars:skel:geomBindTransform", Sdf.ValueTypeNames.Matrix4d)
+        bind.Set(Gf.Matrix4d(2))
+
+    paths, out = sleeve(finish), tmp_path / "out.usda"
+    args = [paths["sleeve"], "--prim", "/Coat/model", "--from", paths["arm"], "--to", paths["plump"], "-o"]
+    done = fit(usdtailor, *args, out)
+    for words in ("/Coat/pocket: not carried: it lies on /Coat/model", "/Coat/model/fat: not carried: its offsets", "geomBindTransform: not carried"):
+        assert words in done.stderr, done.stderr
+    assert "chair" not in done.stderr
+    fit(usdtailor, *args, tmp_path / "strict.usda", "--strict", code=1)
+    assert not (tmp_path / "strict.usda").exists()

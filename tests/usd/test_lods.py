@@ -366,3 +366,10 @@ def test_info_tells_the_sizes_of_levels(usdtailor, built):
     for level, report in zip(told, made):
         # The estimate is without what seams and borders add, which is most where triangles are large.
         assert 0.3 * report["sim"]["faces"] < level["triangles"] <= report["sim"]["faces"]
+
+
+def test_a_level_that_repeats_the_one_before_it_is_told(usdtailor, tmp_path):
+    for level, count in ((2, 0), (1, 1), (0, 2)):
+        done = run(usdtailor, "build", COAT, "-o", tmp_path / f"{level}.usdc", "--lods", 3, "--set", f"render.level={level}", "--strict")
+        assert done.returncode == 0 and done.stderr.count("the render mesh repeats that of the level before") == count, done.stderr
+    assert "[level-repeats]" in done.stderr and "at level of detail 2" in done.stderr

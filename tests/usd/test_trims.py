@@ -130,9 +130,10 @@ def test_relationships_name_trims_and_they_are_no_garments(usdtailor, stage_file
     assert refused(usdtailor, "build", stage_file, "-o", tmp_path / "no.usdc", says=["several-meshes"])
 
 
-def test_all_leaves_out_what_is_too_small_or_too_thick(usdtailor, stage_file, tmp_path):
+@pytest.mark.parametrize("choice", [["--all"], ["--prim", "/G"]], ids=["all", "prim"])
+def test_what_is_too_small_or_too_thick_is_left_out(usdtailor, stage_file, tmp_path, choice):
     out = tmp_path / "out.usdc"
-    done = good(usdtailor, "build", stage_file, "-o", out, "--all", "--set", "render.level=0")
+    done = good(usdtailor, "build", stage_file, "-o", out, *choice, "--set", "render.level=0")
     stage = Usd.Stage.Open(str(out))
     assert stage.GetPrimAtPath("/G/trims/buttons").GetRelationship("tailor:bindTarget").GetTargets()
     # The tape is cloth: a part of the garment that it lies on.
@@ -144,7 +145,7 @@ def test_all_leaves_out_what_is_too_small_or_too_thick(usdtailor, stage_file, tm
     own.GetRootLayer().subLayerPaths.append(str(stage_file))
     own.OverridePrim("/G/trims/buttons").CreateAttribute("tailor:cloth:fabric", Sdf.ValueTypeNames.Token).Set("leather")
     own.GetRootLayer().Save()
-    good(usdtailor, "build", path, "-o", tmp_path / "two.usdc", "--all", "--set", "render.level=0")
+    good(usdtailor, "build", path, "-o", tmp_path / "two.usdc", *choice, "--set", "render.level=0")
     stage = Usd.Stage.Open(str(tmp_path / "two.usdc"))
     assert stage.GetPrimAtPath("/G/trims/sim") and stage.GetPrimAtPath("/G/sim/tape")
 

@@ -1,32 +1,40 @@
 //! A body in two shapes.
 
-use super::triangle::{TriangleSearch, at};
+use super::bound::normals;
+use super::cage::Cage;
+use super::crossings::{CrossingFaces, Crossings};
+use super::matching::{Place, bounds, by_pairs, by_uvs, same_faces};
+use super::{SEARCH_PART, work_limit};
 use crate::codes;
 use glam::DVec3;
-use rayon::prelude::*;
-use tailor_mesh::connectivity::{CornerId, VertexId};
+use std::borrow::Cow;
+use std::collections::BTreeSet;
 use tailor_mesh::error::{Error, ErrorKind};
-use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Orientation, Primvar};
+use tailor_mesh::garment::{Mesh, Orientation};
 
-/// How far outside of all faces a UV may be. \[UV units\]
-const UV_TOLERANCE: f64 = 0.01;
-/// Share of the vertices that may be that far outside.
-const MOST_WITHOUT_UV: f64 = 0.01;
+/// Share of a body's area that may be turned over on the other body.
+const MOST_FOLDED: f64 = 0.25;
+/// How much an open body faces inwards, from -1 to 1, where its faces are taken as inside out.
+const INWARDS: f64 = -0.3;
+/// How far a body sinks below a cage at first, as a share of its size, and how often it sinks, twice as far each time.
+const SINK: f64 = 1e-3;
+const MOST_SINKS: usize = 6;
 
-/// Pairs of points of which a spline is made at most: its system is dense.
-const MOST_PAIRS: usize = 1000;
-
-/// A body before and after, with the same triangles.
+/// The body that a garment is to fit, and the same faces where they are on the body that it was made for.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies {
     /// The vertices of each triangle.
     pub(super) triangles: Vec<[usize; 3]>,
     /// The ends of each edge.
     pub(super) edges: Vec<[usize; 2]>,
-    /// Points of the body that the garment was made for. \[mesh units\]
+    /// Points on the body that the garment was made for. \[mesh units\]
     pub(super) from: Vec<DVec3>,
     /// Points of the body that it is to fit. \[mesh units\]
     pub(super) to: Vec<DVec3>,
+    /// The body that the garment was made for, where it has other faces.
+    pub(super) first: Option<Box<Bodies>>,
+    /// Share of the area that is turned over on the first body.
+    pub(super) folded: f64,
 }
 
 impl Bodies {
@@ -38,43 +46,88 @@ impl Bodies {
     /// Two bodies with the same faces, or with UVs in which they correspond.
     ///
     /// # Errors
-    /// Bodies that have neither.
+    /// Bodies that have neither, and UVs that turn much of the second body over.
     pub fn new(from: &Mesh, to: &Mesh) -> Result<Self, Error> {
-        let is_same = from.points.len() == to.points.len() && from.faces == to.faces;
-        let to_points = if is_same { as_doubles(to) } else { by_uvs(from, to)? };
-        Ok(Self::of(from, to_points))
+        match same_faces(from, to) {
+            Some(points) => Ok(Self::of(to, points)),
+            None => Self::of_other_faces(from, to, &by_uvs(from, to)?),
+        }
     }
 
     /// Two bodies of any faces, with pairs of places that correspond: on the first one, and on the second one. The thin-plate spline of
     /// the pairs takes the points of the first body near the second one, and then onto it.
     ///
     /// # Errors
-    /// Too few pairs, or too many.
+    /// Too few pairs, or too many, and pairs that turn much of the second body over.
     pub fn by_pairs(from: &Mesh, to: &Mesh, pairs: &[[DVec3; 2]]) -> Result<Self, Error> {
-        let spline = ThinPlate::new(pairs).map_err(|text| {
-            let remedy =
-                format!("give 4 to {MOST_PAIRS} pairs that are not all in one plane, such as one for each joint");
-            Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::BODIES_DIFFER).remedy(remedy)
-        })?;
-        let points = as_doubles(to);
-        let search = TriangleSearch::new(fans(to).iter().map(|t| t.map(|v| points[v])).collect());
-        let onto = |point: &DVec3| {
-            let near = spline.at(*point);
-            search.nearest(near).map_or(near, |(.., place)| place)
-        };
-        Ok(Self::of(from, as_doubles(from).par_iter().map(onto).collect()))
+        Self::of_other_faces(from, to, &by_pairs(from, to, pairs)?)
     }
 
-    fn of(from: &Mesh, to: Vec<DVec3>) -> Self {
-        let mut triangles = fans(from);
-        if from.orientation == Orientation::LeftHanded {
+    fn of(mesh: &Mesh, from: Vec<DVec3>) -> Self {
+        let (mut triangles, to) = (fans(mesh), as_doubles(mesh));
+        let (edges, is_closed) = edges(&triangles);
+        if mesh.orientation == Orientation::LeftHanded {
             triangles.iter_mut().for_each(|triangle| triangle.reverse());
         }
-        let sides = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
-        let mut edges: Vec<[usize; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        Self { triangles, edges, from: as_doubles(from), to }
+        if outwards(&triangles, &to) < if is_closed { 0.0 } else { INWARDS } {
+            triangles.iter_mut().for_each(|triangle| triangle.reverse());
+        }
+        Self { triangles, edges, from, to, ..Self::default() }
+    }
+
+    /// The second body, where its vertices are on the first one. Faces that the first one lacks take no part.
+    fn of_other_faces(from: &Mesh, to: &Mesh, places: &[Option<Place>]) -> Result<Self, Error> {
+        let first = Self::of(from, as_doubles(from));
+        let point = |(place, own): (&Option<Place>, DVec3)| place.as_ref().map_or(own, |place| place.point);
+        let mut bodies = Self::of(to, places.iter().zip(as_doubles(to)).map(point).collect());
+        bodies.triangles.retain(|triangle| triangle.iter().all(|&v| places[v].is_some()));
+        bodies.edges = edges(&bodies.triangles).0;
+        bodies.folded = bodies.folded_share(&first, places);
+        if bodies.folded > MOST_FOLDED {
+            let text = format!("{:.0} % of it would be turned over on {}", 100.0 * bodies.folded, from.prim);
+            let remedy = "turn both bodies the same way, and give them UVs or pairs that do not swap their sides";
+            return Err(Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::BODIES_DIFFER).remedy(remedy));
+        }
+        bodies.first = Some(Box::new(first));
+        Ok(bodies)
+    }
+
+    /// Share of the area whose triangles face the other way than the first body does where they are on it.
+    fn folded_share(&self, first: &Self, places: &[Option<Place>]) -> f64 {
+        let of_first = |v: usize| {
+            let below = places[v].as_ref().map(|place| normal(first.triangles[place.triangle], &first.from));
+            below.unwrap_or_default().normalize_or_zero()
+        };
+        let is_folded = |t: &&[usize; 3]| normal(**t, &self.from).dot(t.iter().map(|&v| of_first(v)).sum()) < 0.0;
+        let area = |triangle: &[usize; 3]| normal(*triangle, &self.to).length();
+        let all: f64 = self.triangles.iter().map(area).sum();
+        self.triangles.iter().filter(is_folded).map(area).sum::<f64>() / all.max(f64::MIN_POSITIVE)
+    }
+
+    /// The body that the garment was made for, as its file has it.
+    pub(super) fn first(&self) -> &Self {
+        self.first.as_deref().unwrap_or(self)
+    }
+
+    /// The bodies with the second one below a cage at the start, except for faces that cross the first one: where it is coarser, its
+    /// faces reach out of hollows.
+    pub(super) fn below(&self, cage: &Cage, points: &[DVec3], crossing: &CrossingFaces) -> Cow<'_, Self> {
+        if self.first.is_none() {
+            return Cow::Borrowed(self);
+        }
+        let (mut below, mut step) = (self.clone(), SINK * self.size());
+        let work = work_limit(cage, self, SEARCH_PART);
+        for _ in 0..MOST_SINKS {
+            let found = Crossings::of(cage, points, &below, &below.from, &work).without(crossing, cage).body;
+            let sinking: BTreeSet<usize> = found.iter().flat_map(|&[_, body]| below.triangles[body]).collect();
+            if sinking.is_empty() {
+                break;
+            }
+            let normals = normals(&below.triangles, &below.from);
+            sinking.into_iter().for_each(|v| below.from[v] -= step * normals[v]);
+            step *= 2.0;
+        }
+        Cow::Owned(below)
     }
 
     /// The points at a share of the way.
@@ -84,81 +137,13 @@ impl Bodies {
 
     /// The diagonal of the box of the first shape's triangles.
     pub(super) fn size(&self) -> f64 {
-        let used = || self.triangles.iter().flatten().map(|&v| self.from[v]);
-        let low = used().fold(DVec3::INFINITY, DVec3::min);
-        used().fold(DVec3::NEG_INFINITY, DVec3::max).distance(low)
+        let [low, high] = bounds(&self.triangles, &self.from);
+        high.distance(low)
     }
 }
 
-fn as_doubles(mesh: &Mesh) -> Vec<DVec3> {
+pub(super) fn as_doubles(mesh: &Mesh) -> Vec<DVec3> {
     mesh.points.iter().map(|p| p.as_dvec3()).collect()
-}
-
-/// A thin-plate spline in space: an affine map and a sum of distances to its centres (Duchon 1977, *Splines minimizing
-/// rotation-invariant semi-norms in Sobolev spaces*).
-struct ThinPlate {
-    centres: Vec<DVec3>,
-    weights: Vec<DVec3>,
-    /// Of a constant and of the coordinates.
-    affine: [DVec3; 4],
-}
-
-impl ThinPlate {
-    /// The spline that takes the first place of each pair to the second one; or what is wrong with the pairs.
-    fn new(pairs: &[[DVec3; 2]]) -> Result<Self, String> {
-        let count = pairs.len();
-        if !(4..=MOST_PAIRS).contains(&count) {
-            return Err(format!("there are {count} pairs of points"));
-        }
-        let size = pairs.iter().map(|pair| pair[0].distance(pairs[0][0])).fold(0.0, f64::max);
-        let linear = |p: DVec3| [size, p.x, p.y, p.z];
-        let row = |i: usize| {
-            let mut row = vec![0.0; count + 4];
-            if i < count {
-                (0..count).for_each(|j| row[j] = pairs[i][0].distance(pairs[j][0]));
-                row[count..].copy_from_slice(&linear(pairs[i][0]));
-            } else {
-                (0..count).for_each(|j| row[j] = linear(pairs[j][0])[i - count]);
-            }
-            row
-        };
-        let right = pairs.iter().map(|pair| pair[1]).chain([DVec3::ZERO; 4]).collect();
-        let solved = eliminated((0..count + 4).map(row).collect(), right, 1e-9 * size);
-        let solved = solved.ok_or("the pairs of points are in one plane, or one is there twice")?;
-        let affine = [solved[count] * size, solved[count + 1], solved[count + 2], solved[count + 3]];
-        Ok(Self { centres: pairs.iter().map(|pair| pair[0]).collect(), weights: solved[..count].to_vec(), affine })
-    }
-
-    fn at(&self, p: DVec3) -> DVec3 {
-        let [origin, x, y, z] = self.affine;
-        let bent = self.centres.iter().zip(&self.weights).map(|(centre, weight)| *weight * centre.distance(p));
-        origin + x * p.x + y * p.y + z * p.z + bent.sum::<DVec3>()
-    }
-}
-
-/// The solution of a linear system by elimination with row pivots; none where a pivot is not larger than `least`.
-fn eliminated(mut rows: Vec<Vec<f64>>, mut right: Vec<DVec3>, least: f64) -> Option<Vec<DVec3>> {
-    let count = rows.len();
-    for k in 0..count {
-        let pivot = (k..count).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
-        rows.swap(k, pivot);
-        right.swap(k, pivot);
-        if rows[k][k].is_nan() || rows[k][k].abs() <= least {
-            return None;
-        }
-        let (above, below) = rows.split_at_mut(k + 1);
-        let (own, value) = (&above[k], right[k]);
-        for (row, right) in below.iter_mut().zip(&mut right[k + 1..]) {
-            let share = row[k] / own[k];
-            row[k..].iter_mut().zip(&own[k..]).for_each(|(entry, own)| *entry -= share * own);
-            *right -= share * value;
-        }
-    }
-    for k in (0..count).rev() {
-        let known: DVec3 = (k + 1..count).map(|j| rows[k][j] * right[j]).sum();
-        right[k] = (right[k] - known) / rows[k][k];
-    }
-    Some(right)
 }
 
 /// The faces of a mesh as fans of triangles.
@@ -166,82 +151,29 @@ pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
     mesh.faces.fans().map(|triangle| triangle.map(|v| v.index())).collect()
 }
 
-/// The points of `to` at the UVs of the vertices of `from`.
-fn by_uvs(from: &Mesh, to: &Mesh) -> Result<Vec<DVec3>, Error> {
-    let fault = |text: String| {
-        let remedy = "name bodies of the same faces, or with a common UV set of texCoord2f[], faceVarying or vertex";
-        Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::BODIES_DIFFER).remedy(remedy)
-    };
-    let (a, b) = (from.points.len(), to.points.len());
-    let other = format!("it has other faces than {} ({b} points, not {a})", from.prim);
-    let Some((name, own)) = uv_sets(from).find(|(name, _)| uv_sets(to).any(|(other, _)| other == *name)) else {
-        return Err(fault(format!("{other}, and no UV set in common")));
-    };
-    let of_to = uv_sets(to).find(|(other, _)| *other == name).map(|(_, uvs)| uvs).unwrap_or_default();
-    let mut uv_of = vec![None; a];
-    from.faces.corners().enumerated().for_each(|(corner, v)| {
-        uv_of[v.index()].get_or_insert(own[corner.index()]);
-    });
-    let (triangles, points) = (fans(to), as_doubles(to));
-    let search = TriangleSearch::new(uv_fans(to, &of_to));
-    let found: Vec<Option<(DVec3, f64)>> = uv_of
-        .par_iter()
-        .map(|uv| {
-            let uv: DVec3 = (*uv)?;
-            let (triangle, weights, place) = search.nearest(uv)?;
-            Some((at(triangles[triangle].map(|v| points[v]), weights), place.distance(uv)))
-        })
-        .collect();
-    let missing = found.iter().flatten().filter(|(_, distance)| *distance > UV_TOLERANCE).count();
-    if missing as f64 > MOST_WITHOUT_UV * a as f64 {
-        return Err(fault(format!("{other}, and {missing} of its places in the UV set \"{name}\" are on no face")));
-    }
-    // Points without a face do not matter.
-    Ok(found.iter().zip(from.points.iter()).map(|(found, p)| found.map_or(p.as_dvec3(), |(place, _)| place)).collect())
+/// The edges of triangles, and whether each of them is of two.
+fn edges(triangles: &[[usize; 3]]) -> (Vec<[usize; 2]>, bool) {
+    let sides = triangles.iter().flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+    let mut edges: Vec<[usize; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    edges.sort_unstable();
+    let is_closed = edges.chunk_by(|a, b| a == b).all(|sides| sides.len() == 2);
+    edges.dedup();
+    (edges, is_closed)
 }
 
-/// The UV sets of a mesh: their names, and the UV of each corner. A body without seams may have its UVs at its points.
-fn uv_sets(mesh: &Mesh) -> impl Iterator<Item = (&str, Vec<DVec3>)> {
-    let is_at_points = |p: &Primvar| matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying);
-    let has_uvs = |p: &Primvar| p.meaning == Meaning::TextureCoordinate && p.has_uvs();
-    mesh.primvars.iter().filter(move |p| p.is_uv_set() || is_at_points(p) && has_uvs(p)).map(move |primvar| {
-        let uv = |(corner, vertex): (CornerId, &VertexId)| {
-            let element = if is_at_points(primvar) { vertex.index() } else { corner.index() };
-            primvar.uv(primvar.row(element) as u32).extend(0.0)
-        };
-        (primvar.name.as_str(), mesh.faces.corners().enumerated().map(uv).collect())
-    })
+/// The normal of a triangle, as long as twice its area.
+fn normal([a, b, c]: [usize; 3], points: &[DVec3]) -> DVec3 {
+    (points[b] - points[a]).cross(points[c] - points[a])
 }
 
-/// The UVs of the corners of each triangle.
-fn uv_fans(mesh: &Mesh, uvs: &[DVec3]) -> Vec<[DVec3; 3]> {
-    let of_face = |face| {
-        let corners = mesh.faces.range(face);
-        (corners.start + 1..corners.end - 1).map(move |c| [corners.start, c, c + 1].map(|c| uvs[c]))
-    };
-    mesh.faces.ids().flat_map(of_face).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_spline_meets_its_pairs_and_keeps_affine_maps() {
-        let place = |i: usize| DVec3::new((i * 7 % 5) as f64, (i * 3 % 7) as f64, (i * 5 % 3) as f64);
-        let moved = |p: DVec3| DVec3::new(2.0 * p.x + 1.0, p.z - p.y, 0.5 * p.y);
-        let mut pairs: Vec<[DVec3; 2]> = (0..20).map(|i| [place(i), moved(place(i))]).collect();
-        let spline = ThinPlate::new(&pairs).expect("places that are not in a plane");
-        let elsewhere = DVec3::new(3.3, -8.0, 1.2);
-        assert!(spline.at(elsewhere).distance(moved(elsewhere)) < 1e-9);
-        pairs[4][1] += DVec3::new(0.3, -0.2, 1.0);
-        let spline = ThinPlate::new(&pairs).expect("places that are not in a plane");
-        assert!(pairs.iter().all(|[from, to]| spline.at(*from).distance(*to) < 1e-9));
-    }
-
-    #[test]
-    fn pairs_that_say_too_little_are_refused() {
-        let flat: Vec<[DVec3; 2]> = (0..9).map(|i| [DVec3::new((i % 3) as f64, (i / 3) as f64, 2.0); 2]).collect();
-        assert!(ThinPlate::new(&flat).is_err() && ThinPlate::new(&flat[..3]).is_err());
-    }
+/// How much triangles face away from their centre, from -1 to 1. It has the sign of the volume if they are closed.
+fn outwards(triangles: &[[usize; 3]], points: &[DVec3]) -> f64 {
+    let of =
+        |triangle: &[usize; 3]| (triangle.iter().map(|&v| points[v]).sum::<DVec3>() / 3.0, normal(*triangle, points));
+    let all: Vec<(DVec3, DVec3)> = triangles.iter().map(of).collect();
+    let area: f64 = all.iter().map(|(_, normal)| normal.length()).sum();
+    let centre = all.iter().map(|(middle, normal)| *middle * normal.length()).sum::<DVec3>() / area;
+    let most: f64 = all.iter().map(|(middle, normal)| middle.distance(centre) * normal.length()).sum();
+    let away = all.iter().map(|(middle, normal)| (*middle - centre).dot(*normal)).sum::<f64>() / most;
+    if away.is_finite() { away } else { 0.0 }
 }

@@ -74,7 +74,7 @@ fn frame(vertices: [usize; 3], weights: DVec3, points: &[DVec3], normals: &[DVec
 }
 
 /// The normals of vertices, by area.
-fn normals(triangles: &[[usize; 3]], points: &[DVec3]) -> Vec<DVec3> {
+pub fn normals(triangles: &[[usize; 3]], points: &[DVec3]) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; points.len()];
     for &triangle in triangles {
         let [a, b, c] = triangle.map(|v| points[v]);

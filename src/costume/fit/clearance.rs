@@ -20,9 +20,7 @@ const LEAST: f64 = 2e-3;
 pub struct Clearance<'a> {
     cage: &'a Cage,
     bodies: &'a Bodies,
-    /// Faces that cross at the start.
-    pub start: CrossingFaces,
-    /// Those, and others that could not follow: they are not held.
+    /// Faces that cross at the start, and others that could not follow: they are not held.
     released: CrossingFaces,
     /// The mean edge at each vertex.
     pub edge: Vec<f64>,
@@ -37,8 +35,19 @@ pub struct Clearance<'a> {
 }
 
 impl Elements {
+    /// The elements of a body, among the points of both after `count` of a cage. Points that no face has are not in the way.
+    pub fn of_body(bodies: &Bodies, count: usize) -> Self {
+        let mut is_used = vec![false; bodies.from.len()];
+        bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
+        Self {
+            vertices: (0..is_used.len()).filter(|&v| is_used[v]).map(|v| count + v).collect(),
+            edges: bodies.edges.iter().map(|e| e.map(|v| count + v)).collect(),
+            triangles: bodies.triangles.iter().map(|t| t.map(|v| count + v)).collect(),
+        }
+    }
+
     /// The elements of a cage that have a face which does not cross the body.
-    fn free(cage: &Cage, crossing: &CrossingFaces) -> Self {
+    pub fn free(cage: &Cage, crossing: &CrossingFaces) -> Self {
         let is_free = |vertices: &[usize]| cage.faces_of(vertices).any(|f| !crossing.body.contains(&f));
         Self {
             vertices: (0..cage.vertex_count()).filter(|&v| is_free(&[v])).collect(),
@@ -52,20 +61,12 @@ impl<'a> Clearance<'a> {
     /// The clearance at the start. Incomplete beyond the bound of `work`, as all of its searches are.
     pub fn new(cage: &'a Cage, rest: &[DVec3], bodies: &'a Bodies, work: &WorkLimit) -> Self {
         let count = rest.len();
-        let start = Crossings::of(cage, rest, bodies, &bodies.from, work).faces(cage);
-        // Points that no face has are not in the way.
-        let mut is_used = vec![false; bodies.from.len()];
-        bodies.triangles.iter().flatten().for_each(|&v| is_used[v] = true);
-        let body = Elements {
-            vertices: (0..is_used.len()).filter(|&v| is_used[v]).map(|v| count + v).collect(),
-            edges: bodies.edges.iter().map(|e| e.map(|v| count + v)).collect(),
-            triangles: bodies.triangles.iter().map(|t| t.map(|v| count + v)).collect(),
-        };
+        let released = Crossings::of(cage, rest, bodies, &bodies.from, work).faces(cage);
+        let body = Elements::of_body(bodies, count);
         let distance = [(); 2].map(|()| vec![f64::INFINITY; count]);
         let edge = cage.mean_edges(rest);
-        let (released, free) = (start.clone(), Elements::free(cage, &start));
-        let mut clearance =
-            Self { cage, bodies, start, released, edge, distance, squeeze: vec![1.0; count], body, free };
+        let free = Elements::free(cage, &released);
+        let mut clearance = Self { cage, bodies, released, edge, distance, squeeze: vec![1.0; count], body, free };
         let contacts = clearance.contacts(&[rest, &bodies.from].concat(), 1.0, work);
         for (distance, contacts) in clearance.distance.iter_mut().zip(contacts) {
             for contact in contacts {
@@ -78,10 +79,10 @@ impl<'a> Clearance<'a> {
 
     /// Contacts with the body and of the cage with itself, of the points of both. `scale` is that of the cage.
     pub fn contacts(&self, points: &[DVec3], scale: f64, work: &WorkLimit) -> [Vec<Contact>; 2] {
-        let reach = |share: f64| self.edge.iter().map(|edge| share * edge).collect::<Vec<_>>();
-        let with_body = with_body(&self.free, &self.body, points, &reach(REACH[0]), work);
+        let reach: Vec<f64> = self.edge.iter().map(|edge| scale * REACH[1] * edge).collect();
+        let with_body = with_body(&self.free, &self.body, points, &reach_of_body(&self.edge), work);
         let own = &points[..self.edge.len()];
-        [with_body, with_itself(self.cage, own, &reach(scale * REACH[1]), &self.released, work)]
+        [with_body, with_itself(self.cage, own, &reach, &self.released, work)]
     }
 
     /// The contacts as limits, with the body where it is in a shape.
@@ -134,4 +135,9 @@ impl<'a> Clearance<'a> {
         self.released.add(faces);
         self.free = Elements::free(self.cage, &self.released);
     }
+}
+
+/// How far contacts with a body reach, by the mean edge at each vertex.
+pub fn reach_of_body(edges: &[f64]) -> Vec<f64> {
+    edges.iter().map(|edge| REACH[0] * edge).collect()
 }

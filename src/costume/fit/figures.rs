@@ -1,7 +1,10 @@
 //! How well a garment fits.
 
+use super::bodies::Bodies;
 use super::bound::BoundPoints;
-use super::contacts::Contact;
+use super::cage::Cage;
+use super::clearance::reach_of_body;
+use super::contacts::{Elements, with_body};
 use super::crossings::{CrossingFaces, Crossings};
 use super::path::Path;
 use super::{SEARCH_PART, work_limit};
@@ -74,43 +77,43 @@ pub struct SetLengths {
     pub body: f64,
 }
 
-/// A garment on the second body.
-pub(super) struct Ending<'a> {
+/// A garment on one of the bodies.
+pub(super) struct OnBody<'a> {
     pub points: Vec<DVec3>,
     pub bound: BoundPoints<'a>,
     pub crossings: CrossingFaces,
+    /// The least distance of faces that do not cross the body; none if all are far from it.
+    least: Option<f64>,
     /// The work of its searches.
     pub work: WorkLimit,
 }
 
-impl<'a> Ending<'a> {
-    pub fn new(path: &Path<'a>, points: Vec<DVec3>) -> Self {
-        let work = work_limit(path.cage, path.bodies, SEARCH_PART);
-        let to = &path.bodies.to;
-        let crossings = Crossings::of(path.cage, &points, path.bodies, to, &work).faces(path.cage);
-        Self { bound: BoundPoints::new(path.bodies, to, &points), crossings, points, work }
+impl<'a> OnBody<'a> {
+    /// A cage at `points` on a shape of a body. `edges` are the mean edges at its vertices, which contacts are found by.
+    pub fn new(cage: &Cage, edges: &[f64], points: Vec<DVec3>, bodies: &'a Bodies, shape: &[DVec3]) -> Self {
+        let work = work_limit(cage, bodies, SEARCH_PART);
+        let crossings = Crossings::of(cage, &points, bodies, shape, &work).faces(cage);
+        let [free, body] = [Elements::free(cage, &crossings), Elements::of_body(bodies, points.len())];
+        let near = with_body(&free, &body, &[&points, shape].concat(), &reach_of_body(edges), &work);
+        let least = near.iter().map(|contact| contact.distance).reduce(f64::min);
+        Self { bound: BoundPoints::new(bodies, shape, &points), crossings, points, least, work }
+    }
+
+    fn mean(&self) -> f64 {
+        self.bound.distances().sum::<f64>() / self.points.len().max(1) as f64
     }
 }
 
 impl FitFigures {
-    pub(super) fn new(mesh: &Mesh, path: &Path, end: &Ending) -> Self {
-        let (cage, before, after) = (path.cage, &path.clearance.start, &end.crossings);
-        let (to, points) = (&path.bodies.to, &end.points);
-        let mean = |bound: &BoundPoints| bound.distances().sum::<f64>() / points.len().max(1) as f64;
-        let least = |points: &[DVec3], shape: &[DVec3]| {
-            let [with_body, _] = path.clearance.contacts(&[points, shape].concat(), 1.0, &end.work);
-            with_body.iter().map(|contact: &Contact| contact.distance).reduce(f64::min)
-        };
+    pub(super) fn new(mesh: &Mesh, path: &Path, start: &OnBody, end: &OnBody) -> Self {
+        let (cage, points) = (path.cage, &end.points);
         let lengths = Lengths::new(path, points);
         let ratios = || lengths.before.iter().zip(&lengths.after).filter(|(b, _)| **b > 0.0).map(|(b, a)| a / b);
         Self {
             points: points.len(),
-            body_crossings: CrossingCount::new(&before.body, &after.body),
-            own_crossings: CrossingCount::new(&before.own, &after.own),
-            distance: BodyDistance {
-                least: [least(path.rest, &path.bodies.from), least(points, to)],
-                mean: [mean(&path.bound), mean(&end.bound)],
-            },
+            body_crossings: CrossingCount::new(&start.crossings.body, &end.crossings.body),
+            own_crossings: CrossingCount::new(&start.crossings.own, &end.crossings.own),
+            distance: BodyDistance { least: [start.least, end.least], mean: [start.mean(), end.mean()] },
             edges_kept: lengths.kept(),
             lengths: [
                 ratios().reduce(f64::min).unwrap_or(1.0),

@@ -125,7 +125,8 @@ mod tests {
 
     /// Bodies of edges, with triangles as far as their size needs some.
     fn bodies(edges: Vec<[usize; 2]>, from: Vec<DVec3>, to: Vec<DVec3>) -> Bodies {
-        Bodies { triangles: (2..480).map(|i| [i - 2, i - 1, i]).collect(), edges, from, to }
+        let triangles = (2..480).map(|i| [i - 2, i - 1, i]).collect();
+        Bodies { triangles, edges, from, to, ..Bodies::default() }
     }
 
     #[test]

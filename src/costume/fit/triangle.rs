@@ -1,7 +1,7 @@
 //! Triangles and edges in double precision.
 
 use glam::DVec3;
-use tailor::contact::{Aabb, NearestSearch};
+use tailor::contact::{Aabb, NearestSearch, TEST, WorkLimit};
 
 /// Share of the size of triangles by which a point may be above a plane that it lies in.
 const ROUNDING: f64 = 1e-12;
@@ -31,13 +31,20 @@ impl TriangleSearch {
 
     /// The triangle nearest to a point, the weights of its corners there, and that place; none without triangles.
     pub fn nearest(&self, point: DVec3) -> Option<(usize, DVec3, DVec3)> {
-        let place = |triangle: usize, p: DVec3| {
-            let weights = closest_weights(self.corners[triangle], p);
-            (weights, at(self.corners[triangle], weights))
-        };
-        let found = self.search.nearest(point.as_vec3(), |triangle, p| place(triangle, p).1.distance_squared(p))?;
-        let (weights, place) = place(found, point);
-        Some((found, weights, place))
+        let distance = |triangle, p: DVec3| self.place(triangle, p).2.distance_squared(p);
+        Some(self.place(self.search.nearest(point.as_vec3(), distance)?, point))
+    }
+
+    /// Triangles about as near to a point as `reach`, as [`TriangleSearch::nearest`] gives them: about `most` of them.
+    pub fn near(&self, point: DVec3, reach: f64, most: usize) -> impl Iterator<Item = (usize, DVec3, DVec3)> + '_ {
+        let found = self.search.intersecting(&aabb(&[point]).expanded(reach as f32), &WorkLimit::new(TEST * most));
+        found.into_iter().map(move |triangle| self.place(triangle, point))
+    }
+
+    /// A triangle with the weights of its corners at its point that is nearest to `point`, and that point.
+    fn place(&self, triangle: usize, point: DVec3) -> (usize, DVec3, DVec3) {
+        let weights = closest_weights(self.corners[triangle], point);
+        (triangle, weights, at(self.corners[triangle], weights))
     }
 }
 

@@ -3,9 +3,11 @@
 use super::cloth::bound;
 use super::{Builder, Clock, Products};
 use crate::binding::Binding;
+use crate::codes;
 use std::sync::Arc;
 use tailor::pipeline::SimResult;
-use tailor_mesh::error::Error;
+use tailor_mesh::error::{Error, Warning};
+use tailor_mesh::garment::Mesh;
 use tailor_mesh::step::Same;
 
 impl Builder {
@@ -13,6 +15,7 @@ impl Builder {
     /// of each.
     pub(super) fn add_levels(&mut self, products: &mut Products) -> Result<(), Error> {
         let (recipe, mean_edge) = (products.recipe.clone(), self.mean_edge_length());
+        let prim = self.garment().prim.clone();
         let coarser = recipe.lod.coarser();
         self.levels.truncate(coarser.len());
         while self.levels.len() < coarser.len() {
@@ -20,7 +23,9 @@ impl Builder {
         }
         for (number, level) in coarser.zip(&mut self.levels) {
             level.meshes.follow(&self.meshes);
-            products.levels.push(level.update(&recipe.at_level(number, mean_edge))?);
+            let mut coarse = level.update(&recipe.at_level(number, mean_edge))?;
+            coarse.warnings.extend(repetition(&prim, &coarse, products.levels.last().unwrap_or(products)));
+            products.levels.push(coarse);
         }
         if products.levels.is_empty() {
             return Ok(());
@@ -58,6 +63,19 @@ impl Builder {
         clock.finish()?;
         Ok(bindings)
     }
+}
+
+/// The note of a level with a mesh of the one before it.
+fn repetition(prim: &str, level: &Products, before: &Products) -> Option<Warning> {
+    let is_same = |a: &Mesh, b: &Mesh| a.points.len() == b.points.len() && a.faces == b.faces;
+    let problem = match (is_same(&level.render, &before.render), is_same(&level.sim, &before.sim)) {
+        (true, true) => "both meshes repeat those of the level before",
+        (true, false) => "the render mesh repeats that of the level before",
+        (false, true) => "the simulation mesh repeats that of the level before",
+        (false, false) => return None,
+    };
+    let warning = Warning::new(codes::LEVEL_REPEATS, prim, problem);
+    Some(warning.remedy("Lower lod.levels, or raise render.level, sim.maxEdgeLength or lod.ratio"))
 }
 
 impl Products {

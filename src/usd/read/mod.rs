@@ -22,11 +22,11 @@ mod surroundings;
 mod trims;
 mod variants;
 
-pub use choose::all_prims;
+pub use choose::{all_meshes, all_prims};
 pub use diagnostics::{TailorPayloads, tailor_payloads};
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
 pub use looks::Look;
-pub use meshes::{LodSchema, ProductNames, level_name, product_names};
+pub use meshes::{LodSchema, ProductNames, is_other, level_name, product_names};
 pub use model::{COMPOSITION, Model, Sewing, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value, vectors, with_ancestors};
@@ -34,5 +34,7 @@ pub use shapes::BlendShape;
 pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, variants_of};
 pub use space::{is_moving, transforms, world_of};
 pub use surroundings::Sibling;
-pub use trims::{FittedTrim, TrimPrim, dependent_attributes, has_points, is_on, points_name, trim_path, trims};
+pub use trims::{
+    FittedTrim, PlacedMesh, TrimPrim, dependent_attributes, has_points, is_on, points_name, trim_path, trims,
+};
 pub use variants::{Selection, VariantSet, choices_of, flattened_variants, frozen_trim, joined, select};

@@ -14,8 +14,8 @@ use tailor_mesh::garment::{Elements, FIT_FROM, Garment, Interpolation, Mesh, Pri
 pub struct FitWay {
     steps: Vec<FitStep>,
     bodies: Bodies,
-    /// The first body.
-    from: Mesh,
+    /// The body that it fits.
+    to: Mesh,
 }
 
 impl FitWay {
@@ -26,7 +26,7 @@ impl FitWay {
         let (before, after) = (&self.steps[next.saturating_sub(1)], &self.steps[next]);
         let along = ((share - before.share) / (after.share - before.share).max(f64::EPSILON)).clamp(0.0, 1.0) as f32;
         let points = before.points.iter().zip(&after.points).map(|(a, b)| a.lerp(*b, along)).collect();
-        (points, Mesh { points: body, ..self.from.clone() })
+        (points, Mesh { points: body, ..self.to.clone() })
     }
 }
 
@@ -51,7 +51,7 @@ pub fn follow_body(
     if let Some(made) = made_points(mesh) {
         mesh.points = made;
     }
-    let files = [body("fit.from", from)?, body("fit.to", to)?];
+    let files = [body("fit.from", from, time)?, body("fit.to", to, time)?];
     let [from, to] = [("fit.from", &files[0]), ("fit.to", &files[1])]
         .map(|(key, body)| body_of(source, body).map_err(|error| of_option(key, &error)));
     let (from, to) = (from?, to?);
@@ -67,7 +67,7 @@ pub fn follow_body(
     let on_stage = Mesh { points: authored.into(), ..Mesh::clone(builder.garment()) };
     warnings.extend(source.set_fitted(&on_stage, points, time, &recipe.trim)?);
     source.add_bodies(&files);
-    Ok((Some(FitWay { steps, bodies, from }), warnings))
+    Ok((Some(FitWay { steps, bodies, to }), warnings))
 }
 
 /// The points with which a fitted garment was made.
@@ -115,12 +115,13 @@ fn fitted(builder: &Builder, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted,
 }
 
 /// A body, whose faults are those of the option that names it.
-fn body(key: &str, file: &str) -> Result<Source, Error> {
+fn body(key: &str, file: &str, time: Option<f64>) -> Result<Source, Error> {
     if file.is_empty() {
         let fault = Error::recipe(key, "it names no body, and fit.to does").code(tailor_mesh::codes::OPTION_VALUE);
         return Err(fault.remedy("name the file of the body that the garment was made for, or take fit.to out"));
     }
-    Source::open(Path::new(file), &ReadOptions::default()).map_err(|error| of_option(key, &error))
+    Source::open(Path::new(file), &ReadOptions { time, ..ReadOptions::default() })
+        .map_err(|error| of_option(key, &error))
 }
 
 /// A fault of a body as one of the option that names it.

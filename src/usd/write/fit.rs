@@ -1,5 +1,6 @@
 //! A fitted garment as a layer over its stage.
 
+use super::beside::{left_beside, stale_skin};
 use super::layer::{LayerContext, WriteOptions, name_fault, overlay};
 use super::product::{Author, extent};
 use super::role::{GarmentProducts, SetChoice};
@@ -189,6 +190,7 @@ impl Author<'_> {
                 warnings.extend(self.fitted_panels(stage, &source.model, fitted)?);
             }
         }
+        warnings.extend(left_beside(stage, garments, trims)?);
         for (_, trim) in trims.values() {
             let path = &trim.path;
             PrimSpec::over(self.data, path).or_unreadable(path)?;
@@ -222,6 +224,7 @@ impl Author<'_> {
             let made = vectors(&prim, names::FIT_FROM, time)?.filter(|made| made.len() == count).unwrap_or(own);
             self.moved(panel, &points, &made, &dependent_attributes(&prim)?).or_unreadable(panel)?;
             warnings.extend(motion(&prim, names::POINTS)?);
+            warnings.extend(stale_skin(&prim, time)?);
         }
         Ok(warnings)
     }

@@ -1,5 +1,6 @@
 //! Writing: products become prims of a layer, and the layer becomes a file or bytes in memory.
 
+mod beside;
 mod crates;
 mod fit;
 mod flatten;

@@ -110,7 +110,7 @@ fn models(stage: &Stage, file: &FilePath) -> Result<HashSet<Path>, Error> {
 }
 
 /// Whether a mesh is a product, or below one, or is for something else than rendering.
-fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
+pub fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
     if is_below_product(stage, path)? {
         return Ok(true);
     }

@@ -7,6 +7,7 @@ mod model;
 mod product_names;
 mod recipe;
 
+pub use choose::is_other;
 pub use product_names::{LodSchema, ProductNames, level_name, product_names};
 
 use super::origin::StageOrigin;
@@ -86,9 +87,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     }
     if sources.len() > 1 {
         check_panels(&mut sources)?;
-        if options.all {
-            trims::take(&stage, &mut sources)?;
-        }
+        trims::take(&stage, &mut sources)?;
     }
     sources[0].warnings.extend(left_out);
     // Nothing lies on a lone mesh, whose faults are those of its check.

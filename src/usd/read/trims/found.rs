@@ -86,6 +86,12 @@ impl PlacedMesh {
         }
     }
 
+    /// The diagonal of the box of its points.
+    pub fn size(&self) -> f32 {
+        let [low, high] = [Vec3::min, Vec3::max].map(|f| self.points.iter().copied().reduce(f).unwrap_or_default());
+        high.distance(low)
+    }
+
     /// The triangles of its faces, all of whose corners have to be points.
     pub fn triangles(&self) -> Vec<[Vec3; 3]> {
         let fan = |face: &[u32]| -> Vec<[Vec3; 3]> {
