@@ -34,7 +34,7 @@ pub(super) fn sharp_sets(garment: &Mesh) -> Vec<Subset> {
     sets
 }
 
-/// The borders and seams of the simulation mesh as edge subsets. Where seams are no constraints, they are the cuts of `uvs`.
+/// The borders and seams of the simulation mesh as edge subsets. Where seams do not constrain, they are the cuts of `uvs`.
 pub(super) fn constraint_sets(garment: &Mesh, map: &Correspondence<'_>, uvs: Option<&Primvar>) -> Vec<Subset> {
     let product = map.product;
     let borders = constrained_edges(product, |chain| chain.kind.border);
