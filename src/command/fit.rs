@@ -6,7 +6,7 @@ mod shown;
 use super::process::folders::{MadeFolders, is_folder};
 use super::process::memory;
 use super::strict::Strictness;
-use super::text::{print_error, print_warnings};
+use super::text::{print_earlier, print_error, print_warnings};
 use super::{Inputs, Limits, Output, report, usage};
 use clap::Args;
 use glam::DVec3;
@@ -115,9 +115,12 @@ impl Results {
         self.reports.push(in_report(command, task, garments));
     }
 
-    fn add_fresh(&mut self, command: &Fit, task: &Task) {
+    /// Adds a fresh output, and prints the warnings of the run that made it.
+    fn add_fresh(&mut self, command: &Fit, task: &Task, record: &BuildRecord, label: Option<&PathBuf>) {
+        let warnings: Vec<Value> = record.warnings().collect();
+        print_earlier(&warnings, command.inputs.wording(), label);
         self.text += &format!("{}: fresh\n", task.output.display());
-        self.reports.push(with_files(command, task, json!({ "status": "fresh" })));
+        self.reports.push(with_files(command, task, json!({ "status": "fresh", "warnings": warnings })));
     }
 }
 
@@ -154,8 +157,8 @@ fn apart(command: &Fit, tasks: &[Task]) -> Result<Results, Error> {
     let mut results = Results::default();
     for task in tasks {
         let label = (tasks.len() > 1).then_some(&task.output);
-        if command.skip_fresh && is_fresh(command, task) {
-            results.add_fresh(command, task);
+        if let Some(record) = fresh(command, task) {
+            results.add_fresh(command, task, &record, label);
             continue;
         }
         let fitted = within_limit(|| fit_one(command, task));
@@ -176,8 +179,8 @@ fn apart(command: &Fit, tasks: &[Task]) -> Result<Results, Error> {
 /// Writes one output with a variant for each body.
 fn as_variants(command: &Fit, tasks: &[Task], set: &str) -> Result<Results, Error> {
     let mut results = Results::default();
-    if command.skip_fresh && is_fresh(command, &tasks[0]) {
-        results.add_fresh(command, &tasks[0]);
+    if let Some(record) = fresh(command, &tasks[0]) {
+        results.add_fresh(command, &tasks[0], &record, None);
         return Ok(results);
     }
     for (task, garments) in tasks.iter().zip(fit_all(command, tasks, set)?) {
@@ -232,9 +235,10 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     all.into_iter().map(task).collect()
 }
 
-/// Whether the output was made by this program of these files with these options.
-fn is_fresh(command: &Fit, task: &Task) -> bool {
-    request(command, task).is_ok_and(|request| BuildRecord::fresh(&task.output, &request).is_some())
+/// The record of an output that was made by this program of these files with these options, if it may be skipped.
+fn fresh(command: &Fit, task: &Task) -> Option<BuildRecord> {
+    let request = request(command, task).ok().filter(|_| command.skip_fresh)?;
+    BuildRecord::fresh(&task.output, &request)
 }
 
 /// The options that shape an output, as its record has them. Those of reading have the names that a build gives them.
@@ -362,6 +366,7 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let fit = |garment| fitted(command, garment, &bodies);
     let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
     garments.iter().try_for_each(|done| command.strictness.check(&done.warnings))?;
+    let record = record.with_warnings(garments.iter().flat_map(|done| done.warnings.iter()));
     Ok((garments, record))
 }
 

@@ -145,7 +145,12 @@ impl BuildRecord {
     pub fn of_all(records: Vec<Self>) -> Self {
         let mut all = records.into_iter();
         let mut first = all.next().unwrap_or_default();
-        all.for_each(|other| first.files.extend(other.files));
+        for other in all {
+            first.files.extend(other.files);
+            first.warnings.extend(
+                other.warnings.into_iter().filter(|warning| !first.warnings.contains(warning)).collect::<Vec<_>>(),
+            );
+        }
         first
     }
 

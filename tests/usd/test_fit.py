@@ -315,6 +315,17 @@ def test_fresh_outputs_are_left_and_check_tells_stale_ones(usdtailor, sleeve, tm
     assert fit(usdtailor, *args, "--keep-length", "borders.lowest").stdout.count(": fresh") == 0
 
 
+def test_fresh_outputs_have_the_warnings_of_their_fit(usdtailor, sleeve, tmp_path):
+    far = write_tube(tmp_path / "far.usda", tube(1.2, 4, AROUND, 10)[0], finish=lambda mesh: UsdGeom.Xformable(mesh).AddTranslateOp().Set((90, 0, 0)))
+    paths, out, report = sleeve(), tmp_path / "out.usda", tmp_path / "report.json"
+    args = [far, "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--skip-fresh", "--force", "--report", report]
+    first, made = fit(usdtailor, *args), json.loads(report.read_text())
+    again, fresh = fit(usdtailor, *args), json.loads(report.read_text())
+    assert fresh["status"] == "fresh" and "off-body" in first.stderr and "off-body" in again.stderr
+    codes = [warning["code"] for garment in made["garments"] for warning in garment["warnings"]]
+    assert sorted(warning["code"] for warning in fresh["warnings"]) == sorted(codes)
+
+
 def test_several_bodies_make_a_folder_and_a_bad_one_does_not_stop_the_others(usdtailor, sleeve, tmp_path):
     paths, out, report = sleeve(), tmp_path / "made/here", tmp_path / "report.json"
     bodies = [paths["thick"], tmp_path / "none.usda", paths["long"]]

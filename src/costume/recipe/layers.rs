@@ -370,7 +370,7 @@ mod tests {
     fn bad_overrides_name_the_key_and_the_remedy() {
         let mut layers = Layers::default();
         for (text, expected) in [
-            ("sim.maxEdge=2", "sim.maxEdgeLength"),
+            ("sim.maxEdge=2", "maxEdgeLength"),
             ("sim.iterations=many", "whole number"),
             ("sim.iterations", "has no value"),
             ("render.level=-1", "whole number"),

@@ -151,6 +151,7 @@ fn in_words(e: &serde_json::Error) -> String {
     let Some((before, after)) = text.split_once("expected struct ") else { return text };
     format!("{before}expected {{ options }}{}", after.trim_start_matches(char::is_alphanumeric))
 }
+
 /// The words about an unknown option with the known one that is nearest, in the place of the list of all; none without one.
 fn suggested(text: &str) -> Option<String> {
     let (before, list) = text.split_once("`, expected one of ")?;

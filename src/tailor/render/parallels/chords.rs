@@ -47,6 +47,27 @@ struct Around {
     place: Vec2,
 }
 
+/// Ends lines one face before the edges of blocks: an edge that lines split leaves no room for those beside it.
+pub fn end_before_blocks(request: &ParallelRequest, crossings: &mut Crossings) {
+    let t = request.topology();
+    let is_on_block = |point: Point| {
+        request.blocks.iter().any(|block| match point {
+            Point::Crossing(edge, _) => block.field.is_chain(edge),
+            Point::Vertex(vertex) => block.field.around_vertex(vertex).is_some_and(|foot| foot.distance == 0.0),
+        })
+    };
+    let is_beside = |face: &FaceId| t.faces.vertices_of(*face).iter().any(|&v| is_on_block(Point::Vertex(v)));
+    let mut last = Vec::new();
+    for face in t.faces.ids().filter(is_beside) {
+        let around = around(request, crossings, face);
+        for [a, b] in (0..request.distances[0].len()).flat_map(|line| ends(request, &around, face, line)) {
+            let [a, b] = [a, b].map(|end| around[end].point);
+            last.extend(is_on_block(a).then_some(b).into_iter().chain(is_on_block(b).then_some(a)));
+        }
+    }
+    last.into_iter().for_each(|point| crossings.end(point));
+}
+
 /// The chords of each face that lines lead through, and the pieces of lines.
 pub fn all(request: &ParallelRequest, crossings: &Crossings) -> (BTreeMap<FaceId, Vec<Chord>>, Vec<Passage>) {
     let t = request.topology();

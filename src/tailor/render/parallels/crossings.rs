@@ -1,5 +1,6 @@
 //! Where lines cross edges, and which vertices they lead through.
 
+use super::chords::Point;
 use super::waves::{Foot, Wave};
 use super::{LinePlace, ParallelRequest};
 use std::collections::BTreeMap;
@@ -60,6 +61,15 @@ impl Crossings {
             }
         }
         crossings
+    }
+
+    /// Ends a line at a point: it has no height there.
+    pub fn end(&mut self, point: Point) {
+        let share = match point {
+            Point::Vertex(vertex) => self.through.get_mut(&vertex).map(|(.., share)| share),
+            Point::Crossing(edge, number) => self.of_edges.get_mut(&edge).map(|crossings| &mut crossings[number].share),
+        };
+        share.into_iter().for_each(|share| *share = 0.0);
     }
 
     fn of_edge(&self, request: &ParallelRequest, edge: EdgeId) -> Vec<Crossing> {

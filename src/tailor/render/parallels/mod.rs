@@ -97,7 +97,8 @@ pub struct Parallels<'a> {
 
 /// Inserts lines.
 pub fn insert<'a>(request: &ParallelRequest<'a>) -> Parallels<'a> {
-    let crossings = Crossings::new(request);
+    let mut crossings = Crossings::new(request);
+    chords::end_before_blocks(request, &mut crossings);
     let (chords, passages) = chords::all(request, &crossings);
     faces::build(request, &crossings, &chords, passages)
 }
