@@ -159,7 +159,6 @@ def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
     """Builds `source` into `folder` and opens both stages."""
     path = folder / f"{stem}{suffix}"
     stderr = write(usdtailor, source, path, *args)
-    check_again(usdtailor, path)
     return opened(source, path, stderr, lambda *more: make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_{digest(*more)}"))
 
 

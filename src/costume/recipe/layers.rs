@@ -370,11 +370,11 @@ mod tests {
     fn bad_overrides_name_the_key_and_the_remedy() {
         let mut layers = Layers::default();
         for (text, expected) in [
-            ("sim.maxEdge=2", "maxEdgeLength"),
+            ("sim.maxEdge=2", "sim.maxEdgeLength"),
             ("sim.iterations=many", "whole number"),
             ("sim.iterations", "has no value"),
             ("render.level=-1", "whole number"),
-            ("seam.placket.wide=1", "seam.<name>.width"),
+            ("seam.placket.wide=1", "width"),
             ("seam.width=1", "no name"),
             ("seam.placket.width=wide", "is not a number"),
             ("fold.hem.side=under", "`inner`"),

@@ -67,13 +67,15 @@ fn option_of(kind: &str) -> Option<&'static str> {
     }
 }
 
-/// The known word that is nearest to `word`; none where more than a third of its letters differ.
+/// The known word that is nearest to `word`; none where more than a third of its letters differ, unless it begins one.
 pub fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
     let letters = word.chars().count();
     let distance = |name: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
     let near = known.iter().map(|name| (distance(name.as_ref()), name.as_ref()));
     let near = near.filter(|(distance, _)| *distance <= (letters / 3).max(1) && *distance < letters);
-    near.min().map(|(_, name)| name)
+    // A name that is written in part is no slip of a letter.
+    let is_begun = |name: &&str| letters > 3 && name.to_lowercase().starts_with(&word.to_lowercase());
+    near.min().map(|(_, name)| name).or_else(|| known.iter().map(AsRef::as_ref).filter(is_begun).min())
 }
 
 /// The start of a remedy that names the nearest known word, if there is one.

@@ -272,7 +272,13 @@ impl Rows {
                         beside.is_some_and(|beside| beside.contains(0.5 * (from + to), SLACK * (to - from)));
                     request.field.has_side(edge, side) && !is_faded(0.5 * (from + to)) && !is_covered
                 };
-                for run in edges.chunk_by(|a, b| lacks(a) == lacks(b)).filter(|run| lacks(&run[0])) {
+                // Before another seam a row ends up to a face early, and fades over one more.
+                let is_end = |run: &[(EdgeId, VertexId)]| {
+                    let spans = [run[0], run[run.len() - 1]].map(|(edge, _)| request.field.span(edge));
+                    let is_first = fades[0] && spans[0][0] <= 0.0 || fades[1] && spans[1][1] >= length;
+                    is_first && run.len() <= 2
+                };
+                for run in edges.chunk_by(|a, b| lacks(a) == lacks(b)).filter(|run| lacks(&run[0]) && !is_end(run)) {
                     let long = run.iter().map(|&(edge, _)| request.field.span(edge)).map(|[a, b]| b - a).sum::<f32>();
                     if beside.is_none() || long > CORNER * distance || self.is_blocked(request, (chain, distance), run)
                     {

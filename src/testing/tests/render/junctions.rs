@@ -203,3 +203,17 @@ fn a_seam_ends_tapered_round_or_square() {
         assert!((least..most).contains(&beyond), "{end}: a row of {beyond} around the end");
     }
 }
+
+#[test]
+fn rows_that_end_at_a_seam_leave_it_whole() {
+    for (angle, offset) in [(90.0, 5.0), (90.0, 9.0), (90.0, 12.5), (90.0, 17.0), (60.0, 9.0)] {
+        let garment = star(&[0.0, angle, 180.0, 270.0], [&[0, 2], &[1]]);
+        let row = format!("offset={offset}");
+        let options = [seam("a", 7.5, 2.0, &[]), seam("b", 2.5, -0.5, &[&row]), vec!["render.level=3".into()]].concat();
+        let (mesh, warnings) = rendered(&garment, &options);
+        assert!(angle < 90.0 || warnings.is_empty(), "{angle}, {offset}: {warnings:?}");
+        for (distance, z) in crest(&mesh, "a") {
+            assert!((z / 2.0 - 1.0).abs() < 0.05, "{angle}, {offset}: {z} at {distance}");
+        }
+    }
+}
