@@ -73,7 +73,7 @@ pub fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> 
     let distance = |name: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
     let near = known.iter().map(|name| (distance(name.as_ref()), name.as_ref()));
     let near = near.filter(|(distance, _)| *distance <= (letters / 3).max(1) && *distance < letters);
-    // A name that is written in part is no slip of a letter.
+    // A name that is written in part is not a slip of a letter.
     let is_begun = |name: &&str| letters > 3 && name.to_lowercase().starts_with(&word.to_lowercase());
     near.min().map(|(_, name)| name).or_else(|| known.iter().map(AsRef::as_ref).filter(is_begun).min())
 }
