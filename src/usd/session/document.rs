@@ -158,7 +158,11 @@ mod tests {
     #[test]
     fn an_argument_that_is_no_option_is_left_out_with_a_warning() {
         for (key, text, expected) in [
-            ("sim.maxEdge", "2", "argument sim.maxEdge: left out, as there is no such option. the options of sim are"),
+            (
+                "sim.maxEdge",
+                "2",
+                "argument sim.maxEdge: left out, as there is no such option. did you mean sim.maxEdgeLength?",
+            ),
             ("render.level", "two", "argument render.level: left out, as \"two\" is not a whole number"),
         ] {
             let document = document(FILE, &[(key, text), ("sim.iterations", "4")]).expect("a good file");
