@@ -18,3 +18,13 @@ declare_codes! {
         THREADS_CAPPED = "threads-capped";
     }
 }
+
+/// The codes of the whole program, by crate.
+pub const PARTS: [Codes; 6] = [
+    tailor_mesh::codes::ALL,
+    tailor::codes::ALL,
+    tailor_costume::codes::ALL,
+    tailor_usd::codes::ALL,
+    tailor_preview::codes::ALL,
+    ALL,
+];

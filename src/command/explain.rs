@@ -67,18 +67,8 @@ fn sections() -> impl Iterator<Item = Section> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::codes::PARTS;
     use std::collections::BTreeSet;
-    use tailor_mesh::error::Codes;
-
-    /// The codes of the whole program, by crate.
-    const PARTS: [Codes; 6] = [
-        tailor_mesh::codes::ALL,
-        tailor::codes::ALL,
-        tailor_costume::codes::ALL,
-        tailor_usd::codes::ALL,
-        tailor_preview::codes::ALL,
-        crate::codes::ALL,
-    ];
 
     /// The codes of the sections below a heading.
     fn told(heading: &str) -> Vec<String> {

@@ -1,9 +1,10 @@
 //! Which warnings are errors.
 
+use super::codes::PARTS;
 use super::usage;
 use clap::Args;
 use serde::{Deserialize, Serialize};
-use tailor_mesh::error::{Error, Severity, Warning, WarningCode, Warnings};
+use tailor_mesh::error::{Error, Severity, Warning, Warnings};
 use tailor_mesh::options::did_you_mean;
 
 /// The warnings that are errors.
@@ -49,7 +50,7 @@ impl Strictness {
     /// # Errors
     /// Such a code.
     pub fn check_codes(&self) -> Result<(), Error> {
-        let known: Vec<&str> = warning_codes().map(WarningCode::name).collect();
+        let known: Vec<&str> = PARTS.iter().flat_map(|part| part.warnings).map(|code| code.name()).collect();
         let flags = [("--deny", &self.deny), ("--allow", &self.allow)];
         for (flag, code) in flags.into_iter().flat_map(|(flag, codes)| codes.iter().map(move |code| (flag, code))) {
             if !known.contains(&code.as_str()) {
@@ -60,17 +61,4 @@ impl Strictness {
         }
         Ok(())
     }
-}
-
-/// The codes of all warnings.
-fn warning_codes() -> impl Iterator<Item = WarningCode> {
-    let crates = [
-        tailor_mesh::codes::ALL,
-        tailor::codes::ALL,
-        tailor_costume::codes::ALL,
-        tailor_usd::codes::ALL,
-        tailor_preview::codes::ALL,
-        super::codes::ALL,
-    ];
-    crates.into_iter().flat_map(|codes| codes.warnings.iter().copied())
 }

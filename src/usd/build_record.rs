@@ -128,12 +128,14 @@ impl BuildRecord {
     /// The record of an output with these warnings too.
     #[must_use]
     pub fn with_warnings<'a>(mut self, warnings: impl IntoIterator<Item = &'a Warning>) -> Self {
-        for text in warnings.into_iter().map(|warning| warning_json(warning).to_string()) {
-            if !self.warnings.contains(&text) {
-                self.warnings.push(text);
-            }
-        }
+        warnings.into_iter().for_each(|warning| self.add_warning(warning_json(warning).to_string()));
         self
+    }
+
+    fn add_warning(&mut self, text: String) {
+        if !self.warnings.contains(&text) {
+            self.warnings.push(text);
+        }
     }
 
     /// The warnings of the build as [`warning_json`] has them.
@@ -147,9 +149,7 @@ impl BuildRecord {
         let mut first = all.next().unwrap_or_default();
         for other in all {
             first.files.extend(other.files);
-            first.warnings.extend(
-                other.warnings.into_iter().filter(|warning| !first.warnings.contains(warning)).collect::<Vec<_>>(),
-            );
+            other.warnings.into_iter().for_each(|warning| first.add_warning(warning));
         }
         first
     }

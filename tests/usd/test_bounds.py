@@ -409,7 +409,7 @@ def test_a_shot_is_bounded_by_its_cache(usdtailor, tmp_path):
         file.truncate(file.tell() + frames * points.size * 4)
     drive = ("drive", garment, "-o", shot, "--cache")
     done = refused(usdtailor, *drive, cache, says=["error[too-large]", f"its {frames} frames make a shot of", "--max-size"], seconds=20)
-    # What is allowed goes on to the frames themselves.
+    # With a larger limit, the run goes on to the frames.
     size = re.search(r"--max-size \S+", done.stderr).group().split()
     refused(usdtailor, *drive, cache, *size, says=["error[cache-mismatch]"], seconds=20)
     numpy.save(cache, numpy.stack([points] * 8))

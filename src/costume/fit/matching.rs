@@ -16,7 +16,7 @@ const UV_TOLERANCE: f64 = 0.01;
 const MOST_WITHOUT_UV: f64 = 0.01;
 /// How much farther than the nearest face another one may be from a UV, where UVs overlap. \[UV units\]
 const UV_REACH: f64 = 1e-3;
-/// What a distance of UVs counts, against a distance on the body as a share of its size.
+/// Weight of a distance in UVs, beside a distance on the body as a share of its size.
 const UV_WEIGHT: f64 = 10.0;
 /// Faces at one UV that are compared at most.
 const MOST_CHOICES: usize = 64;

@@ -109,7 +109,7 @@ fn a_file_has_the_latest_edits_and_is_of_one_garment_and_recipe() {
     assert_eq!(Keeper::new(&state, &recipe, &stage).1, []);
 }
 
-/// What is in the place of the file is neither read to its end nor replaced.
+/// A pipe or a device in the place of the file stays, and is not read.
 #[cfg(unix)]
 #[test]
 fn a_pipe_or_a_device_in_the_place_of_the_file_is_left() {

@@ -1,8 +1,9 @@
-//! What a fit leaves where it was.
+//! Parts of a stage that a fit does not move with the garment.
 
 use super::trims::FittedTrims;
 use crate::names;
 use crate::read::{OrUnreadable, PlacedMesh, Source, all_meshes, is_a, is_other, prim_at, transforms, value, vectors};
+use glam::Vec3;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Prim, Stage, TimeCode};
 use tailor_costume::binding::Triangles;
@@ -12,32 +13,33 @@ use tailor_mesh::error::{Error, Warning, Warnings};
 const NEAR: f32 = 0.02;
 
 /// Warns of meshes that lie on garments and are neither fitted nor trims of theirs.
-pub fn left_beside(stage: &Stage, garments: &[&Source], trims: &FittedTrims) -> Result<Warnings, Error> {
+pub fn left_beside<'a>(stage: &Stage, garments: &[&'a Source], trims: &FittedTrims) -> Result<Warnings, Error> {
     let fitted: Vec<&Path> =
         garments.iter().flat_map(|source| &source.model.panels).chain(trims.keys().copied()).collect();
-    let mut warnings = Warnings::default();
-    for source in garments {
-        let (Ok(garment), Some(of_fit)) = (&source.garment, source.fitted.as_deref()) else { continue };
+    let cloth = |source: &&'a Source| {
+        let (garment, of_fit) = (source.garment.as_ref().ok()?, source.fitted.as_deref()?);
         let placed = PlacedMesh::new(garment, source.model.transforms.to_world);
-        let elsewhere = |path: &Path| of_fit.elsewhere.iter().any(|(root, _)| path.has_prefix(root));
-        let (cloth, size) = (Triangles::new(placed.triangles()), placed.size());
-        for path in all_meshes(stage, &source.model.origin.file)? {
-            if fitted.iter().any(|known| path.has_prefix(known)) || elsewhere(&path) || is_other(stage, &path)? {
-                continue;
-            }
-            let (prim, time) = (prim_at(stage, &path)?, of_fit.time.map(TimeCode::new));
-            let to_world = transforms(&prim, time)?.to_world;
-            let points = vectors(&prim, names::POINTS, time).ok().flatten().unwrap_or_default();
-            let is_near = |p: &glam::Vec3| {
-                let at = to_world.transform_point3(p.as_dvec3()).as_vec3();
-                at.is_finite() && cloth.distance(at) <= NEAR * size
-            };
-            if !points.is_empty() && points.iter().all(is_near) {
-                let why = format!("it lies on {}, and stays where it is", source.whole());
-                let warning = Warning::not_carried(&path, why);
-                warnings.push(warning.remedy("Fit it too by --all, or make it a trim of the garment"));
-            }
+        Some((*source, of_fit, Triangles::new(placed.triangles()), NEAR * placed.size()))
+    };
+    let cloths: Vec<_> = garments.iter().filter_map(cloth).collect();
+    let Some((first, of_fit, ..)) = cloths.first() else { return Ok(Warnings::default()) };
+    let time = of_fit.time.map(TimeCode::new);
+    let elsewhere = |path: &Path| cloths.iter().flat_map(|of| &of.1.elsewhere).any(|(root, _)| path.has_prefix(root));
+    let mut warnings = Warnings::default();
+    for path in all_meshes(stage, &first.model.origin.file)? {
+        if fitted.iter().any(|known| path.has_prefix(known)) || elsewhere(&path) || is_other(stage, &path)? {
+            continue;
         }
+        let prim = prim_at(stage, &path)?;
+        let (to_world, points) =
+            (transforms(&prim, time)?.to_world, vectors(&prim, names::POINTS, time).ok().flatten());
+        let placed: Vec<Vec3> =
+            points.iter().flatten().map(|p| to_world.transform_point3(p.as_dvec3()).as_vec3()).collect();
+        let is_on = |near: f32, cloth: &Triangles| placed.iter().all(|&p| p.is_finite() && cloth.distance(p) <= near);
+        let below = cloths.iter().find(|(.., cloth, near)| !placed.is_empty() && is_on(*near, cloth));
+        let why = |source: &Source| format!("it lies on {}, and stays where it is", source.whole());
+        let warning = below.map(|(source, ..)| Warning::not_carried(&path, why(source)));
+        warnings.extend(warning.map(|w| w.remedy("Fit it too by --all, or make it a trim of the garment")));
     }
     Ok(warnings)
 }
@@ -60,8 +62,7 @@ pub fn stale_skin(prim: &Prim, time: Option<TimeCode>) -> Result<Warnings, Error
     {
         let place = format!("{}.{}", prim.path(), names::GEOM_BIND_TRANSFORM);
         let why = "the garment is fitted where its own transform has it, and a skeleton moves it elsewhere";
-        warnings
-            .push(Warning::not_carried(place, why).remedy("Apply it to the points, and take it out, before the fit"));
+        warnings.push(Warning::not_carried(place, why).remedy("Bake it into the points before the fit"));
     }
     Ok(warnings)
 }

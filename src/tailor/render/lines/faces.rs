@@ -99,15 +99,19 @@ impl LineBuilder<'_, '_> {
         self.columns.push(column);
     }
 
-    /// True for a rib ahead of an end: its face has no marked edge there.
+    /// True for a rib ahead of an end that is not round: no face beside it has the marked edge.
     fn has_ended(&self, rib: &Rib) -> bool {
         let (t, vertex) = (self.request.topology, rib.vertex);
-        let edge = if let Path::Edge { to, .. } = rib.path { t.find_edge(vertex, to) } else { None };
-        let sides = |c: CornerId| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]];
-        let is_beside =
-            |edges: [EdgeId; 2]| edges.contains(&rib.mark) && edge.is_some_and(|edge| edges.contains(&edge));
-        let is_end = self.request.tapers[vertex] && !self.request.round[vertex];
-        is_end && !t.vertex_corners.row(vertex).iter().any(|&c| is_beside(sides(c)))
+        if !self.request.tapers[vertex] || self.request.round[vertex] {
+            return false;
+        }
+        let Path::Edge { to, .. } = rib.path else { return true };
+        let is_beside = |&c: &CornerId| {
+            let prev = t.faces.prev(c);
+            [t.corner_edge[c], t.corner_edge[prev]].contains(&rib.mark)
+                && [t.faces.next(c), prev].iter().any(|&c| t.faces.vertex(c) == to)
+        };
+        !t.vertex_corners.row(vertex).iter().any(is_beside)
     }
 
     /// Cuts a marked edge and the strips beside it.

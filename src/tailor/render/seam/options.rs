@@ -30,7 +30,7 @@ pub enum RowSide {
 
 impl OptionValue for RowSide {}
 
-/// What becomes of a seam where it ends inside the surface.
+/// The shape of a seam's end inside the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum SeamEnd {

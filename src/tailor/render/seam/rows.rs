@@ -272,16 +272,13 @@ impl Rows {
                         beside.is_some_and(|beside| beside.contains(0.5 * (from + to), SLACK * (to - from)));
                     request.field.has_side(edge, side) && !is_faded(0.5 * (from + to)) && !is_covered
                 };
-                // Before another seam a row ends up to a face early, and fades over one more.
-                let is_end = |run: &[(EdgeId, VertexId)]| {
-                    let spans = [run[0], run[run.len() - 1]].map(|(edge, _)| request.field.span(edge));
-                    let is_first = fades[0] && spans[0][0] <= 0.0 || fades[1] && spans[1][1] >= length;
-                    is_first && run.len() <= 2
-                };
-                for run in edges.chunk_by(|a, b| lacks(a) == lacks(b)).filter(|run| lacks(&run[0]) && !is_end(run)) {
-                    let long = run.iter().map(|&(edge, _)| request.field.span(edge)).map(|[a, b]| b - a).sum::<f32>();
-                    if beside.is_none() || long > CORNER * distance || self.is_blocked(request, (chain, distance), run)
-                    {
+                for run in edges.chunk_by(|a, b| lacks(a) == lacks(b)).filter(|run| lacks(&run[0])) {
+                    let [[from, _], [_, to]] = [run[0], run[run.len() - 1]].map(|(edge, _)| request.field.span(edge));
+                    let is_at_end = fades[0] && from < 2.0 * width || fades[1] && length - to < 2.0 * width;
+                    // Before another seam a row ends up to a face early, and fades over one more.
+                    let is_long = to - from > CORNER * distance && !(is_at_end && run.len() <= 2);
+                    let is_blocked = || !is_at_end && is_near_block(request, distance, run[run.len() / 2].1);
+                    if beside.is_none() || is_long || is_blocked() {
                         missing.extend(run.iter().map(|(edge, _)| *edge));
                     }
                 }
@@ -289,23 +286,14 @@ impl Rows {
         }
         missing.into_iter().collect()
     }
+}
 
-    /// Whether another seam leads by the middle of a run of edges. A chain that ends at another seam has its end there.
-    fn is_blocked(
-        &self,
-        request: &ParallelRequest,
-        (chain, distance): (usize, f32),
-        run: &[(EdgeId, VertexId)],
-    ) -> bool {
-        let (length, fades) = (request.field.lengths()[chain], request.chains[chain].fades);
-        let ([from, _], [_, to]) = (request.field.span(run[0].0), request.field.span(run[run.len() - 1].0));
-        let is_at_end = |fades: bool, left: f32| fades && left < 2.0 * self.options().width;
-        let (_, vertex) = run[run.len() / 2];
-        let is_near = |block: &Block| {
-            block.field.around_vertex(vertex).is_some_and(|foot| foot.distance < block.width + 0.5 * distance)
-        };
-        !is_at_end(fades[0], from) && !is_at_end(fades[1], length - to) && request.blocks.iter().any(is_near)
-    }
+/// Whether another seam leads by a vertex, so that a row at a distance ends there.
+fn is_near_block(request: &ParallelRequest, distance: f32, vertex: VertexId) -> bool {
+    let is_near = |block: &Block| {
+        block.field.around_vertex(vertex).is_some_and(|foot| foot.distance < block.width + 0.5 * distance)
+    };
+    request.blocks.iter().any(is_near)
 }
 
 /// The sides of the edges that have rows, left and right.

@@ -142,8 +142,7 @@ impl<'a> LabelledSource<'a> {
     /// The labels of [`LabelledSource::of_faces`], without teeth.
     fn without_teeth(&self) -> Labels {
         let mut labels = self.of_faces();
-        let covered = self.map.coverage.sources.rows();
-        let faces: Vec<FaceId> = (0..covered).map(FaceId::new).filter(|&face| self.areas(face).len() > 1).collect();
+        let faces: Vec<FaceId> = labels.ids().collect();
         let share = |face: FaceId, label: Option<u32>| {
             let areas = self.areas(face);
             let of_label = areas.iter().find(|area| area.0 == label).map_or(0.0, |area| area.1);

@@ -42,7 +42,7 @@ fn piped() -> Garment {
     with_detail(input, (0..nx * ny).filter(is_in))
 }
 
-/// The same with a painted weight on the points inside of the set, instead of it.
+/// The sheet without its set: a weight is painted on the points inside it.
 fn painted(weight: f32) -> Garment {
     let [nx, ny] = SIZE;
     let mut input = piped();

@@ -1,4 +1,4 @@
-//! What was written is opened once by our own reader, before it replaces anything.
+//! Our own reader opens each output once, before it replaces anything.
 
 use crate::codes;
 use crate::read::Files;

@@ -231,6 +231,12 @@ fn rows_join_where_they_meet_and_are_left_out_beyond() {
 }
 
 #[test]
+fn a_row_beyond_the_cloth_of_a_short_seam_is_told() {
+    let (_, warnings) = rendered(&flat(&[[7, 8], [9, 8]]), &options(&["seam.s.offset=9"]));
+    assert!(warnings.iter().any(|w| w.problem.contains("a row at its distance")), "{warnings:?}");
+}
+
+#[test]
 fn rows_stop_beside_another_seam() {
     let garment = with_edges(sheet(N as usize), "line", &steps(&[[1, 8], [15, 8]]));
     let garment = checked(with_edges(garment, "other", &steps(&[[8, 0], [8, 16]])));
