@@ -324,6 +324,13 @@ def crossing():
     }
 
 
+def rows_before_seams():
+    body = cages.hoodie()
+    rows = stitch("pocket", width=5, normalOffset=-0.8, offset=9, rows=2)
+    view = (*line(body, "pocket")[0], 40), "36,5"
+    return {"rows of a pocket's seam end before the waist": Tile(body, stitch("waist", "side", normalOffset=1.2) + rows, *view)}
+
+
 def uneven():
     tiles = {}
     for name, (cage, width) in cages.uneven_sheets().items():
@@ -358,7 +365,8 @@ PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": pa
 SCENES = {"rims_hem_ends": hem_ends, "rims_short_seams": short_seams, "rims_crossings": crossings,
           "rims_bent_faces": bent_faces, "seams_rows": rows, "seams_ends": ends}
 COMPARED = {"folds": folds, "seams_collar": collar, "seams_hem": seams_under_hems, "seams_pocket": pocket, "seams_roof": roof,
-            "seams_coat": sewn_close, "seams_crossing": crossing, "seams_uneven": uneven, "seams_skewed": skewed}
+            "seams_coat": sewn_close, "seams_crossing": crossing, "seams_uneven": uneven, "seams_skewed": skewed,
+            "seams_rows_end": rows_before_seams}
 
 
 def sheet(tiles, program, older=None):
