@@ -74,8 +74,8 @@ options! {
         /// their edges
         "faces" faces: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: true }, "names of subsets";
 
-        /// Distance between the layers, reduced at tight folds and near other cloth, without a second layer on faces that
-        /// other cloth touches; 0 is a tenth of the mesh's mean edge length
+        /// Distance between the layers, reduced at tight folds and where other cloth leaves no room on either side, without a
+        /// second layer on faces that other cloth touches; 0 is a tenth of the mesh's mean edge length
         "thickness" thickness: f32 = 0.0, Domain::length([0.0, 0.4], 0.1),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
@@ -374,9 +374,11 @@ impl Operator for Fold {
         let mut warnings = Warnings::default();
         let mut thin: Vec<VertexId> = Vec::new();
         let mut least = 1.0f32;
-        for ((control, given), weight) in output.controls.iter().zip(given).zip(weights(output)) {
+        let index = output.index(|role| role.original().is_none());
+        for ((control, own), weight) in output.controls.iter().zip(given).zip(weights(output)) {
             let Some(over) = control.role.original() else { continue };
-            let share = given.abs() / (self.options.thickness * weight);
+            let apart = index[over].map_or(0.0, |original| given[original]) - own;
+            let share = apart.abs() / (self.options.thickness * weight);
             if share < REPORTED {
                 thin.push(over);
                 least = least.min(share);

@@ -59,6 +59,8 @@ pub struct Placement {
     copy_pairs: Vec<[VertexId; 2]>,
     /// True for vertices on seam edges.
     on_seam: IdVec<VertexId, bool>,
+    /// For each control, that of the original which it lifts where it lacks room.
+    lifted: Vec<Option<usize>>,
     /// Edges of the second layer, as indices of controls.
     layer_edges: Vec<[usize; 2]>,
     /// Faces with a control, ascending.
@@ -131,6 +133,7 @@ impl Placement {
             reference_control: reference_controls(output, level),
             copy_pairs: output.controls.iter().filter_map(pair).collect(),
             on_seam: output.index(|role| role == ControlRole::Crest).iter().map(Option::is_some).collect(),
+            lifted: lifted(output, level),
             layer_edges: layer_edges(output, level),
             controlled_faces: controlled_faces(output),
             face_order,
@@ -226,6 +229,7 @@ impl Placement {
         let unraised = [&base.linear, &base.upright, &base.fitted.points];
         let least = || unraised.map(|points| self.least_raised(&raises, points.clone()));
         let (raised, [linear, upright, flat]) = rayon::join(raised, least);
+        let most: Vec<f32> = asked.iter().zip(&given).map(|(a, g)| if *a == 0.0 { *g } else { *a }).collect();
         let displaced = RepairInput {
             child: &self.child,
             parent: self.parent.level(),
@@ -236,7 +240,7 @@ impl Placement {
             face_order: &self.face_order,
             reference_normals: &self.reference_normals,
             controlled_faces: &self.controlled_faces,
-            near: &self.faces_near_other_layers(&asked, &base.fitted.clearance),
+            near: &self.faces_near_other_layers(&most, &base.fitted.clearance),
             unfitted: &linear,
             upright: &upright,
             least: &flat,
@@ -325,7 +329,8 @@ impl Placement {
         LimitFit { controls, places, rows, reference_control: &self.reference_control }
     }
 
-    /// The heights within the clearance, which is reduced by them.
+    /// The heights within the clearance, which is reduced by them. A copy that other cloth leaves too little room lifts its
+    /// original to the other side by what it lacks.
     fn within_clearance(
         &self,
         asked: &[f32],
@@ -333,9 +338,10 @@ impl Placement {
         clearance: &mut IdVec<VertexId, Clearance>,
         is_last: bool,
     ) -> Vec<f32> {
-        let of = |((control, &asked), target): ((&Control, &f32), &(Vec3, Vec3))| {
+        let mut all = vec![0.0; asked.len()];
+        for (i, (control, &asked)) in self.output().controls.iter().zip(asked).enumerate() {
             // A surface that doubles back on itself has no normal there.
-            let asked = if target.1 == Vec3::ZERO { 0.0 } else { asked };
+            let asked = if targets[i].1 == Vec3::ZERO { 0.0 } else { asked };
             let origin = control.role.original().unwrap_or(control.vertex);
             let (side, height) = (usize::from(asked > 0.0), asked.abs());
             // The last operator may use all but what a layer and its original need between them.
@@ -344,17 +350,23 @@ impl Placement {
             let given = height.min((share * clearance[origin][side]).max(LEAST_SHARE * height));
             match control.role.original() {
                 Some(over) => {
+                    let lift = self.lifted[i].map_or(0.0, |original| {
+                        let lift = (height - given).min(CLEARANCE_SHARE * clearance[over][1 - side]);
+                        all[original] = lift.copysign(-asked);
+                        lift
+                    });
                     // Both layers share the gap between them. The normal of the second one is reversed.
-                    let (between, rest) = (LAYER_GAP_SHARE * given, clearance[over][side] - given);
+                    let (between, rest) = (LAYER_GAP_SHARE * (given + lift), clearance[over][side] - given);
                     clearance[control.vertex][side] = between;
                     clearance[control.vertex][1 - side] = rest.max(0.0);
                     clearance[over][side] = between;
+                    clearance[over][1 - side] -= lift;
                 }
                 None => clearance[origin][side] -= given,
             }
-            if asked < 0.0 { -given } else { given }
-        };
-        self.output().controls.iter().zip(asked).zip(targets).map(of).collect()
+            all[i] = given.copysign(asked);
+        }
+        all
     }
 }
 
@@ -367,6 +379,18 @@ fn cut_short(label: String, most: usize) -> Warning {
     );
     Warning::new(codes::REPAIR_CUT_SHORT, label, problem)
         .remedy("Leave out elements where the garment is crumpled or passes through itself")
+}
+
+/// For each control, that of its original if it is a copy away from the ends of its layer: the surface goes on beside those.
+fn lifted(output: &OperatorOutput, level: &Level) -> Vec<Option<usize>> {
+    let t = &level.topology;
+    let is_end = |v: VertexId| edges_at(t, v).any(|e| t.is_border(e));
+    let originals = output.index(|role| role.original().is_none());
+    let of = |control: &Control| match control.role {
+        ControlRole::Copy { of, closing: LayerEnd::Open, .. } if !is_end(control.vertex) => originals[of],
+        _ => None,
+    };
+    output.controls.iter().map(of).collect()
 }
 
 /// The edges between copies, as indices of their controls, without those of closed ends.

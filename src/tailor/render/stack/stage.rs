@@ -252,6 +252,9 @@ pub struct StageSteps {
     mesh: Step<(Same<Mesh>, Same<CagePoints>, u32), Arc<Mesh>>,
 }
 
+/// The cage before all operators, and its points.
+type First = (Cage, Arc<CagePoints>);
+
 /// Cages and points of all operators.
 struct StageCages {
     cages: Vec<OperatorCage>,
@@ -267,9 +270,9 @@ impl StageSteps {
     /// Operators that do not fit the garment; a mesh that would be too large.
     pub fn update(&mut self, start: &Start, stage: &Stage) -> Result<Made, Error> {
         let stage = &self.with_halving(start, stage)?;
-        let (first, points) = self.first(start, stage)?;
-        let (StageCages { cages, raised }, (refined, refinements)) = self.operate(&first, start, &points, stage)?;
-        let points = raised.last().map_or(&points, |last| &last.points);
+        let first = self.first(start, stage)?;
+        let (StageCages { cages, raised }, (refined, refinements)) = self.operate(&first, start, stage)?;
+        let points = raised.last().map_or(&first.1, |last| &last.points);
         let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stage.level), |_| {
             let known = raised.last().map(|last| last.connectivity.as_ref());
             let points = refined_points(&points.points, known, &refinements);
@@ -313,7 +316,7 @@ impl StageSteps {
     }
 
     /// The cage before all operators, and its points with the clearance within the reach of the stage.
-    fn first(&mut self, start: &Start, stage: &Stage) -> Result<(Cage, Arc<CagePoints>), Error> {
+    fn first(&mut self, start: &Start, stage: &Stage) -> Result<First, Error> {
         let first = self.first_cage(start)?;
         let reach = stage.reach(&start.garment);
         let points = || Ok(Arc::new(CagePoints::first(&first.garment, &first.level, reach)));
@@ -321,13 +324,7 @@ impl StageSteps {
         Ok((first, points))
     }
 
-    fn context(
-        &mut self,
-        first: &Cage,
-        start: &Start,
-        points: &Arc<CagePoints>,
-        stage: &Stage,
-    ) -> Result<Context, Error> {
+    fn context(&mut self, (first, points): &First, start: &Start, stage: &Stage) -> Result<Context, Error> {
         let input = (Same::from(points), Same::from(&start.covers));
         let ancestry = self.first_ancestry.get(input, |(points, covers)| Ok(first.ancestry(points, &covers.0)))?;
         Ok(Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets })
@@ -335,20 +332,15 @@ impl StageSteps {
 
     /// Runs all operators and refines the attributes of the last cage. The points of a cage are computed in parallel
     /// with the connectivity of the next operator, those of the last cage in parallel with the refinement.
-    fn operate(
-        &mut self,
-        first: &Cage,
-        start: &Start,
-        points: &Arc<CagePoints>,
-        stage: &Stage,
-    ) -> Result<(StageCages, Refined), Error> {
+    fn operate(&mut self, begin: &First, start: &Start, stage: &Stage) -> Result<(StageCages, Refined), Error> {
+        let (first, points) = begin;
         let mut done = StageCages { cages: Vec::new(), raised: Vec::new() };
         let count = stage.operators.len();
         self.refinements.resize_with(stage.level as usize, RefinementSteps::default);
         if count == 0 {
             return Ok((done, refined(&mut self.refinements, first)?));
         }
-        let mut context = self.context(first, start, points, stage)?;
+        let mut context = self.context(begin, start, stage)?;
         let Self { cages, points: point_steps, refinements, .. } = self;
         cages.resize_with(count, CageSteps::default);
         point_steps.resize_with(count, PointSteps::default);
@@ -382,9 +374,10 @@ impl StageSteps {
     /// As [`StageSteps::update`].
     pub fn face_count(&mut self, start: &Start, stage: &Stage) -> Result<usize, Error> {
         let stage = &self.with_halving(start, stage)?;
-        let (mut cage, points) = self.first(start, stage)?;
+        let first = self.first(start, stage)?;
         self.cages.resize_with(stage.operators.len(), CageSteps::default);
-        let mut context = self.context(&cage, start, &points, stage)?;
+        let mut context = self.context(&first, start, stage)?;
+        let mut cage = first.0;
         for (operator, steps) in stage.operators.iter().zip(&mut self.cages) {
             let next = steps.update(operator, &cage, &context)?;
             context.ancestry = next.derived.ancestry.clone();

@@ -10,7 +10,7 @@ use tailor::codes;
 use tailor_mesh::connectivity::{IdVec, VertexId};
 use tailor_mesh::error::{Warning, Warnings};
 use tailor_mesh::garment::Mesh;
-use tailor_testing::sheets::with_edges;
+use tailor_testing::sheets::{grid_faces, mesh, with_edges};
 
 /// The thickness of the hem that covers seams.
 const THICKNESS: f32 = 0.15;
@@ -164,6 +164,42 @@ fn a_layer_that_has_no_room_at_all_is_told_and_left_out() {
     assert_eq!(without_room(&warnings), 64, "{warnings:?}");
     let (plain, _) = rendered(&garment, &["render.level=1"]);
     assert_eq!((&mesh.faces, mesh.points.as_slice()), (&plain.faces, plain.points.as_slice()));
+}
+
+/// A sheet folded over along its lower rows, with other sheets at these heights in thicknesses, the least distance of its
+/// two layers in thicknesses, and the warnings.
+fn beside_cloth(others: &[f32]) -> (Mesh, f32, Warnings) {
+    const THICK: f32 = 0.2;
+    let faces = grid_faces(8, 8, |_, _| true);
+    let heights = || std::iter::once(0.0).chain(others.iter().map(|other| other * THICK));
+    let points = heights().flat_map(|z| (0..81).map(move |i| [(i % 9) as f32, (i / 9) as f32, z]));
+    let own = |sheet: usize| faces.iter().map(move |f| f.iter().map(|v| v + 81 * sheet as i32).collect());
+    let all: Vec<Vec<i32>> = (0..=others.len()).flat_map(own).collect();
+    let input = mesh(points, &all.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let garment = checked(with_faces(with_faces(input, "hem", 0..16), "own", 0..64));
+    let options = ["fold.h.faces=hem", "fold.h.thickness=0.2", "render.faceSets=true", "render.level=1"];
+    let (mesh, warnings) = rendered(&garment, &options);
+    let (places, inner, turn) = (limit(&mesh), vertices_of(&mesh, "h_inner"), vertices_of(&mesh, "h_hem"));
+    let is_inside = |p: Vec3| p.x > 1.0 && p.x < 7.0 && p.y > 0.3 && p.y < 1.3;
+    let below: Vec<Vec3> = inner.difference(&turn).map(|&v| places[v]).filter(|p| is_inside(*p)).collect();
+    let own = vertices_of(&mesh, "own");
+    let above = || own.difference(&inner).map(|&v| places[v]);
+    let beside = |p: Vec3, q: Vec3| (p - q).truncate().length();
+    let over = |p: Vec3| above().min_by(|q, r| beside(p, *q).total_cmp(&beside(p, *r))).map_or(f32::NAN, |q| q.z - p.z);
+    let least = below.iter().map(|p| over(*p)).fold(f32::INFINITY, f32::min);
+    (mesh, least / THICK, warnings)
+}
+
+#[test]
+fn a_layer_beside_cloth_lifts_the_surface_where_that_is_free() {
+    let (mesh, apart, _) = beside_cloth(&[-0.9]);
+    assert!((0.95..1.05).contains(&apart), "{apart} of the thickness is left");
+    // Each sheet may use a share of the gap.
+    let (_, between, told) = beside_cloth(&[-0.9, 0.9]);
+    assert!((0.35..0.5).contains(&between), "{between} of the thickness is left between two sheets");
+    assert!(told.iter().any(|w| w.code == codes::THIN_LAYER), "{told:?}");
+    let own: Vec<usize> = (0..mesh.faces.len()).collect();
+    assert_eq!(crossing_parents(&mesh, &own), BTreeSet::new());
 }
 
 #[test]

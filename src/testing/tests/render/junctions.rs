@@ -1,13 +1,13 @@
 //! Where seams meet at any angle, and where they end: on flat sheets with arms from the middle, in millimetres.
 
-use super::cloth::{checked, limit};
+use super::cloth::{checked, faces_in, limit, path, sheet, tube, with_faces};
 use super::crossings::crossing_parents;
 use super::operators::vertices_of;
 use crate::operators::rendered;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 use tailor::codes;
-use tailor_mesh::connectivity::VertexId;
+use tailor_mesh::connectivity::{FaceId, VertexId};
 use tailor_mesh::garment::Mesh;
 use tailor_testing::sheets::{mesh, with_edges};
 
@@ -216,4 +216,58 @@ fn rows_that_end_at_a_seam_leave_it_whole() {
             assert!((z / 2.0 - 1.0).abs() < 0.05, "{angle}, {offset}: {z} at {distance}");
         }
     }
+}
+
+/// Where the seam is on the sheet, and how far from its rim a seam may round off. \[mm\]
+const SEAM: f32 = 4.0 * EDGE;
+const RIM: f32 = 1.2;
+
+/// The way that a surface looks, and the distance from its rim.
+type Frame = fn(Vec3) -> (Vec3, f32);
+
+/// A sheet and a tube, each with a seam "a" that runs over the lower row of faces, "hem", and its frame.
+fn folded_shapes() -> [(&'static str, Mesh, Frame); 2] {
+    let column: Vec<i32> = (0..=8).map(|y| 9 * y + 4).collect();
+    let mut sheet = with_edges(with_faces(sheet(8), "hem", 0..8), "a", &path(&column));
+    sheet.points.iter_mut().for_each(|p| *p *= EDGE);
+    let line: Vec<i32> = (0..=8).map(|y| 16 * y + 3).collect();
+    let mut tube = with_edges(with_faces(tube(), "hem", 0..16), "a", &path(&line));
+    tube.points.iter_mut().for_each(|p| *p *= EDGE / 0.78);
+    [("hem", checked(sheet), |p| (Vec3::Z, p.y)), ("cuff", checked(tube), |p| (p.with_z(0.0).normalize_or_zero(), p.z))]
+}
+
+#[test]
+fn presets_of_seams_are_sound_over_those_of_folds() {
+    let (seams, folds) = (presets("seam"), presets("fold"));
+    let mut known = Vec::new();
+    for (shape, garment, frame) in folded_shapes() {
+        for ((seam, fold), level) in seams
+            .iter()
+            .flat_map(|s| folds.iter().map(move |f| (s, f)))
+            .flat_map(|pair| (1..=3).map(move |l| (pair, l)))
+        {
+            let sets = ["seam.a.edges=a", "fold.h.faces=hem", "render.faceSets=true"].map(str::to_owned).to_vec();
+            let own = [options("seam.a", seam.1), options("fold.h", fold.1), vec![format!("render.level={level}")]];
+            let (mesh, _) = rendered(&garment, &[sets, own.concat()].concat());
+            let (inner, turn) = (faces_in(&mesh, "h_inner"), faces_in(&mesh, "h_hem"));
+            let middle = |f: FaceId| mesh.faces.vertices_of(f).iter().map(|&v| mesh.points[v]).sum::<Vec3>() / 4.0;
+            let is_turned = |f: &FaceId| {
+                let p: Vec<Vec3> = mesh.faces.vertices_of(*f).iter().map(|&v| mesh.points[v]).collect();
+                let leans = (p[2] - p[0]).cross(p[3] - p[1]).normalize_or_zero().dot(frame(p[0]).0);
+                (if inner.contains(f) { -leans } else { leans }) < -0.1
+            };
+            // The end of a seam looks ahead at the rim, and the fold itself ends at the sides of the sheet.
+            let is_looked_at = |f: &FaceId| !turn.contains(f) && frame(middle(*f)).1 > RIM;
+            let turned = mesh.faces.ids().filter(is_looked_at).filter(is_turned).count();
+            let own: Vec<usize> = (0..mesh.faces.len()).collect();
+            let is_by_seam = |pair: &&[usize; 2]| pair.iter().all(|&f| (middle(FaceId::new(f)).x - SEAM).abs() < EDGE);
+            let pairs = crossing_parents(&mesh, &own);
+            let pairs = if shape == "hem" { pairs.iter().filter(is_by_seam).count() } else { pairs.len() };
+            if [turned, pairs] != [0, 0] {
+                known
+                    .push(format!("{shape}, level {level}, {} and {}: {turned} turned, {pairs} pairs", seam.0, fold.0));
+            }
+        }
+    }
+    assert!(known.is_empty(), "faces turned, pairs that cross:\n{}", known.join("\n"));
 }

@@ -128,7 +128,7 @@ fn sets_between_seams_are_exact_on_garments() {
 
 /// Sets of more than a hundredth of a garment that agree by less than 97 %, by how their names start, with the least that they may;
 /// a number here may only be raised.
-const BELOW: [(&str, &str, f64); 8] = [
+const BELOW: [(&str, &str, f64); 9] = [
     ("coat.usda", "sleeve_under_left", 0.9688),
     // Triangles cut across the rims of thin boxes.
     ("closed_pockets.usdc", "panel04", 0.9528),
@@ -137,7 +137,8 @@ const BELOW: [(&str, &str, f64); 8] = [
     ("narrow_sets.usdc", "panel02", 0.9469),
     ("narrow_sets.usdc", "placket", 0.8201),
     ("narrow_sets.usdc", "stripe", 0.8478),
-    // Two or three triangles, less than a hundredth of the garment.
+    // Two to four triangles, less than a hundredth of the garment.
+    ("female_elegantsuit01.usdc", "panel10", 0.6304),
     ("male_worksuit01.usdc", "panel12", 0.4219),
     ("tiny_shells.usdc", "panel", 0.5328),
 ];
