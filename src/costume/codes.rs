@@ -36,6 +36,8 @@ declare_codes! {
     quality {
         /// Parts of one body are turned over on the other.
         BODIES_FOLDED = "bodies-folded";
+        /// Faces of a fitted garment have become slivers.
+        FIT_SLIVERS = "fit-slivers";
     }
     notes {
         /// A level of detail has a mesh of the level before it.

@@ -12,10 +12,13 @@ use glam::DVec3;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use tailor::contact::WorkLimit;
+use tailor_mesh::connectivity::{CornerId, FaceId};
 use tailor_mesh::garment::Mesh;
 
 /// Change of an edge's length, against that of the body around it, up to which it counts as kept.
 const KEPT: f64 = 0.15;
+/// Angle below which a corner is a sliver. \[degrees\]
+const SLIVER: f64 = 5.0;
 
 /// How well a garment fits another body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -163,17 +166,26 @@ impl Lengths {
     }
 }
 
+/// The angle of a corner of a face. \[degrees\]
+fn angle(mesh: &Mesh, points: &[DVec3], corner: CornerId) -> f64 {
+    let at = |c| points[mesh.faces.vertex(c).index()];
+    let middle = at(corner);
+    (at(mesh.faces.prev(corner)) - middle).angle_between(at(mesh.faces.next(corner)) - middle).to_degrees()
+}
+
+/// The faces with a corner that has become a sliver, each once, ascending.
+pub fn slivers(mesh: &Mesh, before: &[DVec3], after: &[DVec3]) -> Vec<FaceId> {
+    let is_new = |c: &CornerId| angle(mesh, after, *c) < SLIVER && angle(mesh, before, *c) >= SLIVER;
+    let mut faces: Vec<FaceId> = mesh.faces.corners().ids().filter(is_new).map(|c| mesh.faces.face_of(c)).collect();
+    faces.dedup();
+    faces
+}
+
 /// The mean change of the angles of faces, and that of the 95th percentile. \[degrees\]
 fn angles(mesh: &Mesh, before: &[DVec3], after: &[DVec3]) -> [f64; 2] {
-    let angle = |points: &[DVec3], [a, b, c]: [usize; 3]| {
-        (points[a] - points[b]).angle_between(points[c] - points[b]).to_degrees()
-    };
-    let corners = mesh.faces.corners().ids().map(|c| {
-        let vertex = |c| mesh.faces.vertex(c).index();
-        [vertex(mesh.faces.prev(c)), vertex(c), vertex(mesh.faces.next(c))]
-    });
-    let change = |corner: [usize; 3]| (angle(after, corner) - angle(before, corner)).abs();
-    let mut changes: Vec<f64> = corners.map(change).filter(|change| change.is_finite()).collect();
+    let change = |c| (angle(mesh, after, c) - angle(mesh, before, c)).abs();
+    let changes = mesh.faces.corners().ids().map(change);
+    let mut changes: Vec<f64> = changes.filter(|change| change.is_finite()).collect();
     changes.sort_unstable_by(f64::total_cmp);
     let count = changes.len().max(1);
     [changes.iter().sum::<f64>() / count as f64, changes.get(count * 95 / 100).copied().unwrap_or(0.0)]

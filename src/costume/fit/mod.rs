@@ -20,8 +20,8 @@ mod stretch;
 mod triangle;
 
 pub use bodies::Bodies;
-use figures::OnBody;
 pub use figures::{BodyDistance, CrossingCount, FitFigures, SetLengths};
+use figures::{OnBody, slivers};
 pub use options::{BodyOptions, PanelRest};
 
 use crate::codes;
@@ -31,7 +31,7 @@ use glam::{DVec3, Vec3};
 use path::Path;
 use tailor::contact::WorkLimit;
 use tailor_mesh::connectivity::{Elements, FaceId, VertexId};
-use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings};
+use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings, counted};
 use tailor_mesh::garment::Mesh;
 
 /// Share of the points inside the body, or distance from it as a share of its size, from which a garment is not on the body.
@@ -139,6 +139,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     let figures = FitFigures::new(mesh, &path, &start, &end);
     warnings.extend(new_crossings(mesh, &start, &end));
     warnings.extend(left_behind(mesh, &path, &start, &end, &figures));
+    warnings.extend(thin_faces(mesh, &rest, &end.points));
     let single = |points: &[DVec3]| points.iter().map(|p| p.as_vec3()).collect::<Vec<Vec3>>();
     let points = single(&end.points);
     let step = |(share, points): &(f64, Vec<DVec3>)| FitStep { share: *share, points: single(points) };
@@ -248,6 +249,17 @@ fn new_crossings(mesh: &Mesh, start: &OnBody, end: &OnBody) -> Option<Warning> {
     })
 }
 
+/// The warning of faces that have become slivers.
+fn thin_faces(mesh: &Mesh, before: &[DVec3], after: &[DVec3]) -> Option<Warning> {
+    let faces = slivers(mesh, before, after);
+    (!faces.is_empty()).then(|| {
+        let count = counted(faces.len(), "face has an angle", "faces have angles");
+        Warning::new(codes::FIT_SLIVERS, &mesh.prim, format!("{count} below 5 degrees, and had none before"))
+            .at(Elements::Faces(faces))
+            .remedy("Move these points by hand, or give the garment more ease there")
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,6 +272,55 @@ mod tests {
         let at = |i: usize| Vec3::new((i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0) / n as f32 + height * Vec3::Z;
         let points = (0..(n + 1) * (n + 1)).map(at).collect();
         Mesh { points, faces: Faces::quads(quads.collect::<Vec<_>>()), ..Mesh::default() }
+    }
+
+    /// Rings of 24 vertices about y, by their heights and radii.
+    fn rings(rings: usize, ring: impl Fn(usize) -> [f32; 2], bulge: impl Fn(usize, f32) -> f32) -> Mesh {
+        let quads = (0..24 * (rings - 1)).flat_map(|i| {
+            let (row, next) = (24 * (i / 24), (i + 1) % 24);
+            [i, i + 24, row + 24 + next, row + next].map(VertexId::new)
+        });
+        let at = |i: usize| {
+            let ([y, radius], angle) = (ring(i / 24), std::f32::consts::TAU * (i % 24) as f32 / 24.0);
+            let radius = radius * bulge(i / 24, angle);
+            Vec3::new(radius * angle.sin(), y, radius * angle.cos())
+        };
+        Mesh {
+            points: (0..24 * rings).map(at).collect(),
+            faces: Faces::quads(quads.collect::<Vec<_>>()),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn a_hem_that_hangs_stays_level_over_a_body_with_knees() {
+        let height = |row: usize| [0.25 * row as f32, 1.0];
+        // Two knees as thick as the body, below the hips.
+        let knees = |row: usize, angle: f32| {
+            let below = (1.0 - ((row as f32 - 10.0) / 6.0).powi(2)).max(0.0);
+            1.0 + below * angle.sin().abs().powi(4)
+        };
+        let (from, to) = (rings(41, height, |_, _| 1.0), rings(41, height, knees));
+        let skirt = rings(13, |row| [8.5 - 0.5 * row as f32, 1.03 + 0.25 * row as f32], |_, _| 1.0);
+        let bodies = Bodies::new(&from, &to).expect("the same faces");
+        let fitted = fit(&skirt, &bodies, &FitOptions::default()).expect("a fit");
+        let hem = &fitted.points[12 * 24..];
+        let range = |of: &dyn Fn(&Vec3) -> f32| {
+            let (least, most) = hem.iter().map(of).fold((f32::MAX, f32::MIN), |(l, m), x| (l.min(x), m.max(x)));
+            most - least
+        };
+        let (up, out) = (range(&|p| p.y), range(&|p| Vec3::new(p.x, 0.0, p.z).length()));
+        assert!(up < 0.3 && out < 0.3, "the hem is {up} uneven up and {out} around");
+    }
+
+    #[test]
+    fn faces_that_become_slivers_are_named() {
+        let (before, mut after) = (sheet(3, 0.0), sheet(3, 0.0));
+        let single = |mesh: &Mesh| mesh.points.iter().map(|p| p.as_dvec3()).collect::<Vec<DVec3>>();
+        assert!(thin_faces(&before, &single(&before), &single(&before)).is_none());
+        after.points[VertexId::new(5)] = Vec3::new(0.02, 0.005, 0.0);
+        let warning = thin_faces(&before, &single(&before), &single(&after)).expect("slivers");
+        assert!(matches!(&warning.elements, Elements::Faces(faces) if faces.contains(&FaceId::new(0))), "{warning:?}");
     }
 
     /// A number from 0 to 1 that looks random.

@@ -10,7 +10,7 @@ use super::clearance::Clearance;
 use super::contacts::apart;
 use super::crossings::{CrossingFaces, Crossings};
 use super::rigid::{Goal, Limit, RigidCage};
-use super::stretch::Surroundings;
+use super::stretch::{Frame, Surroundings};
 use super::{FitOptions, SEARCH_PART, work_limit};
 use glam::{DQuat, DVec3};
 use tailor::contact::WorkLimit;
@@ -26,7 +26,7 @@ const TRIES: usize = 6;
 /// How often faces that cannot follow are let go, so that the others can.
 const MOST_RELEASED: usize = 8;
 /// Pull of a point to where its place on the body went, against the pull of an edge, and the share of the body's size at which it
-/// is half of that.
+/// is half of that. Beyond, the point hangs: from three times that distance on, it goes where the body as a whole does there.
 const PULL: f64 = 0.1;
 const FAR: f64 = 0.015;
 
@@ -38,6 +38,8 @@ pub struct Path<'a> {
     pub bound: BoundPoints<'a>,
     pub clearance: Clearance<'a>,
     surroundings: Surroundings,
+    /// How far each point hangs, from 0 to 1.
+    hang: Vec<f64>,
     /// The work of the searches at the start.
     pub start: WorkLimit,
     /// The work of the steps.
@@ -67,12 +69,15 @@ impl<'a> Path<'a> {
         let bound = BoundPoints::new(bodies, &bodies.from, rest);
         let far = FAR * bodies.size().max(f64::MIN_POSITIVE);
         let pull = bound.distances().map(|distance| PULL / (1.0 + (distance / far).powi(2))).collect();
+        let hanging = || bound.distances().map(|distance| (distance / far - 1.0).max(0.0));
+        let places: Vec<(usize, f64)> = bound.vertices().into_iter().zip(hanging()).collect();
         Self {
             cage,
             rest,
             bodies,
             clearance: Clearance::new(cage, rest, bodies, &start),
-            surroundings: Surroundings::new(bodies, &bound.vertices(), &start),
+            surroundings: Surroundings::new(bodies, &places, &start),
+            hang: hanging().map(|hang| (0.5 * hang).min(1.0)).collect(),
             rigid: RigidCage::new(cage, rest, pull, options),
             start,
             work,
@@ -121,15 +126,25 @@ impl<'a> Path<'a> {
 
     /// The edges as a shape of the body stretches them, before their ends turn.
     pub fn stretched_edges(&self, shape: &[DVec3]) -> Vec<DVec3> {
-        let stretches = self.surroundings.stretches(&self.bodies.from, shape);
-        let stretched = |&[a, b]: &[usize; 2]| (stretches[a] + stretches[b]) * 0.5 * (self.rest[a] - self.rest[b]);
-        self.cage.edges.iter().map(stretched).collect()
+        self.stretched(&self.surroundings.frames(&self.bodies.from, shape))
+    }
+
+    fn stretched(&self, frames: &[Frame]) -> Vec<DVec3> {
+        let mean = |[a, b]: [usize; 2]| (frames[a].stretch + frames[b].stretch) * 0.5;
+        self.cage.edges.iter().map(|&[a, b]| mean([a, b]) * (self.rest[a] - self.rest[b])).collect()
+    }
+
+    /// Where each point is drawn: with its place on the body, and with the body around it where it hangs.
+    fn targets(&self, frames: &[Frame], shape: &[DVec3]) -> Vec<DVec3> {
+        let of = |(v, on_skin): (usize, DVec3)| on_skin.lerp(frames[v].carried(self.rest[v]), self.hang[v]);
+        self.bound.carried(shape).into_iter().enumerate().map(of).collect()
     }
 
     /// The garment when the body has its shape at `share`; none if something new crosses.
     fn step(&mut self, from: &State, share: f64, rounds: usize) -> Option<State> {
         let shape = self.bodies.shape(share);
-        let (targets, edges) = (self.bound.carried(&shape), self.rigid.kept(self.stretched_edges(&shape)));
+        let frames = self.surroundings.frames(&self.bodies.from, &shape);
+        let (targets, edges) = (self.targets(&frames, &shape), self.rigid.kept(self.stretched(&frames)));
         let scale = self.scale(&edges);
         let mut state = from.clone();
         for round in 0..rounds {
