@@ -351,7 +351,9 @@ impl Placement {
             match control.role.original() {
                 Some(over) => {
                     let lift = self.lifted[i].map_or(0.0, |original| {
-                        let lift = (height - given).min(CLEARANCE_SHARE * clearance[over][1 - side]);
+                        // Where both sides are tight, a lift would only press the cloth there.
+                        let (lacks, room) = (height - given, CLEARANCE_SHARE * clearance[over][1 - side]);
+                        let lift = (room - lacks).min(lacks).max(0.0);
                         all[original] = lift.copysign(-asked);
                         lift
                     });

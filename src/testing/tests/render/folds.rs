@@ -194,9 +194,9 @@ fn beside_cloth(others: &[f32]) -> (Mesh, f32, Warnings) {
 fn a_layer_beside_cloth_lifts_the_surface_where_that_is_free() {
     let (mesh, apart, _) = beside_cloth(&[-0.9]);
     assert!((0.95..1.05).contains(&apart), "{apart} of the thickness is left");
-    // Each sheet may use a share of the gap.
+    // Pressed from both sides, it is as thin as the gap allows.
     let (_, between, told) = beside_cloth(&[-0.9, 0.9]);
-    assert!((0.35..0.5).contains(&between), "{between} of the thickness is left between two sheets");
+    assert!((0.15..0.5).contains(&between), "{between} of the thickness is left between two sheets");
     assert!(told.iter().any(|w| w.code == codes::THIN_LAYER), "{told:?}");
     let own: Vec<usize> = (0..mesh.faces.len()).collect();
     assert_eq!(crossing_parents(&mesh, &own), BTreeSet::new());
