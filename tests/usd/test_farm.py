@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 from conftest import EXAMPLES
 from test_batch import garments
 
@@ -27,12 +28,35 @@ def test_the_template_is_valid():
     assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
+@pytest.mark.parametrize(("count", "tasks"), [(3, 7), (7, 3), (0, 2)])
+def test_tasks_count_the_lines_and_share_them(tmp_path, count, tasks):
+    """A program in place of usdtailor tells what it is given."""
+    program = tmp_path / "told"
+    program.write_text('#!/bin/sh\nwhile [ "$1" != -- ]; do shift; done; shift\nprintf "%s\\n" "$@" >> told.txt\n'.replace("told.txt", str(tmp_path / "told.txt")))
+    program.chmod(0o755)
+    names = [f"a garment {number}.usda" for number in range(count)]
+    # The last line has no end.
+    (tmp_path / "list.txt").write_text("\n".join(names))
+    parameters = {"Garments": tmp_path / "list.txt", "Tasks": tasks, "Out": tmp_path, "Program": program}
+    done = openjd("run", TEMPLATE, "--step", "Build", *(part for name, value in parameters.items() for part in ("-p", f"{name}={value}")))
+    assert done.returncode == 0, done.stdout + done.stderr
+    told = (tmp_path / "told.txt").read_text().splitlines() if count else []
+    assert sorted(told) == names
+
+
+def test_the_template_needs_a_worker_that_can_run_it():
+    (step,) = yaml.safe_load(TEMPLATE.read_text())["steps"]
+    needs = step["hostRequirements"]
+    assert {amount["name"]: amount["min"] for amount in needs["amounts"]} == {"amount.worker.vcpu": 2, "amount.worker.memory": 4096}
+    assert {"name": "attr.worker.os.family", "anyOf": ["linux"]} in needs["attributes"]
+
+
 def test_the_template_builds_every_garment_and_tells_of_bad_ones(usdtailor, tmp_path):
     files = garments(tmp_path, 45, bad=(30,))
     (tmp_path / "garments.txt").write_text("".join(f"{file}\n" for file in files))
     out = tmp_path / "out"
     out.mkdir()
-    parameters = {"Garments": tmp_path / "garments.txt", "Lines": "1-45", "Out": out, "Program": usdtailor}
+    parameters = {"Garments": tmp_path / "garments.txt", "Tasks": 4, "Out": out, "Program": usdtailor}
     given = [part for name, value in parameters.items() for part in ("-p", f"{name}={value}")]
     done = openjd("run", TEMPLATE, "--step", "Build", *given)
     assert done.returncode != 0, "a bad garment fails its task"
@@ -57,7 +81,7 @@ def test_paths_and_lines_of_the_list_are_no_code(usdtailor, tmp_path):
     out = folder / "out"
     out.mkdir()
     options = "--set render.level=1 ; touch ran $(touch ran)"
-    parameters = {"Garments": folder / "garments.txt", "Lines": "1-3", "Out": out, "Program": usdtailor}
+    parameters = {"Garments": folder / "garments.txt", "Tasks": 1, "Out": out, "Program": usdtailor}
 
     def run(**more):
         given = [part for name, value in {**parameters, **more}.items() for part in ("-p", f"{name}={value}")]
