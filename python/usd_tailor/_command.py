@@ -81,10 +81,23 @@ def start(arguments: Sequence[str]) -> "subprocess.Popen[str]":
     flags = getattr(subprocess, "CREATE_NO_WINDOW", 0)
     try:
         return subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", creationflags=flags
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            encoding="utf-8",
+            creationflags=flags,
+            env=_environment(),
         )
     except OSError as error:
         raise _cannot_start(command[0], error) from None
+
+
+def _environment() -> dict[str, str]:
+    """The environment of the command, which reads by this Python what only OpenUSD reads. A host with windows is no Python to start."""
+    known = Path(sys.executable or "").stem.lower().startswith(("python", "hython", "mayapy"))
+    return {**({"USDTAILOR_PYTHON": sys.executable} if known else {}), **os.environ}
 
 
 def program() -> Path:
@@ -156,9 +169,9 @@ def main() -> None:
     try:
         path = program()
         if path == PROGRAM and os.name != "nt":
-            os.execv(path, ["usdtailor", *arguments])
+            os.execve(path, ["usdtailor", *arguments], _environment())
         # Windows cannot replace a process, and a private copy is removed afterwards.
-        sys.exit(subprocess.run([path, *arguments], check=False).returncode)
+        sys.exit(subprocess.run([path, *arguments], check=False, env=_environment()).returncode)
     except TailorError as error:
         sys.exit(f"error: {error}")
     except OSError as error:

@@ -4,6 +4,7 @@ mod batch;
 mod levels;
 mod protect;
 mod request;
+mod unused;
 
 pub use levels::{lines as level_lines, report as level_report, warnings as all_warnings};
 pub use request::Request;

@@ -364,7 +364,8 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let recipes: Vec<PathBuf> = command.inputs.recipe.iter().chain(&command.pairs).cloned().collect();
     let record = BuildRecord::new(&read, &recipes, request(command, task)?, &task.output, started)?;
     let fit = |garment| fitted(command, garment, &bodies);
-    let garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
+    let mut garments = opened.into_iter().map(fit).collect::<Result<Vec<_>, Error>>()?;
+    garments.iter_mut().take(1).for_each(|done| done.warnings.extend(bodies.iter().flat_map(Source::notes)));
     garments.iter().try_for_each(|done| command.strictness.check(&done.warnings))?;
     let record = record.with_warnings(garments.iter().flat_map(|done| done.warnings.iter()));
     Ok((garments, record))

@@ -22,7 +22,7 @@ pub use tailor_mesh::meter::Counting;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
-use process::{interrupt, memory, threads};
+use process::{interrupt, memory, openusd, threads};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::num::NonZeroUsize;
@@ -44,6 +44,9 @@ struct Cli {
     /// Colours of messages; NO_COLOR is respected
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto, global = true, help_heading = "Run")]
     color: ColorChoice,
+    /// Refuse layers that only OpenUSD reads, instead of having them read by its Python or usdcat where one is installed
+    #[arg(long, global = true, help_heading = "Run")]
+    no_fallback: bool,
 }
 
 #[derive(Subcommand)]
@@ -242,6 +245,9 @@ struct Output {
 /// Faults of the input, the recipe or the output.
 fn run(cli: &Cli) -> Result<Output, Error> {
     text::set_colors(cli.color);
+    if !cli.no_fallback {
+        tailor_usd::set_converter(openusd::converted);
+    }
     // Threads start where a subcommand works on meshes. The preview has pools of its own.
     let (threads, quiet, works) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, true),

@@ -62,6 +62,8 @@ declare_codes! {
     notes {
         /// Products keep what the selected variant has.
         FROZEN_VARIANT = "frozen-variant";
+        /// A layer was read by OpenUSD.
+        CONVERTED_LAYER = "converted-layer";
         /// A mesh lies on another and is not attached to it.
         UNATTACHED = "unattached";
     }

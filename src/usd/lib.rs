@@ -23,8 +23,9 @@ pub use body::{body_of, stage_to_garment};
 pub use build_record::{BuildRecord, Stale, warning_json};
 pub use read::Look;
 pub use read::{
-    Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source,
-    TailorPayloads, TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
+    Converter, Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection,
+    Source, TailorPayloads, TransformOp, VariantSet, first_used, product_names, set_converter, tailor_payloads,
+    variants_of,
 };
 pub use shot::{CacheFile, CacheSpace, Playback};
 pub use shot::{DriveOptions, Driven, drive};
@@ -36,7 +37,8 @@ pub use write::{
     write, write_all, write_bodies, write_fitted, write_sets, write_whole,
 };
 pub use write::{
-    EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside, write_recipe,
+    EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside,
+    temporary_folder, write_recipe,
 };
 
 use std::panic::resume_unwind;

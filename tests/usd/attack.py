@@ -319,6 +319,8 @@ def main():
         return 0
     if args.plugin:
         return attack_plugin(args.runs, args.seed)
+    # Damaged files are for the program itself.
+    os.environ["USDTAILOR_PYTHON"] = ""
     program = os.environ.get("USDTAILOR", str(ROOT / "target" / "debug" / "usdtailor"))
     ends, failures = attack(Path(program).resolve(), args.runs, args.seed, args.keep)
     for end, count in sorted(ends.items()):

@@ -20,6 +20,9 @@ os.environ["PXR_PLUGINPATH_NAME"] = os.pathsep.join(
     filter(None, [PLUGIN or str(ROOT / "schemas"), os.environ.get("PXR_PLUGINPATH_NAME")])
 )
 
+# No OpenUSD beside the program, except where a test names it.
+os.environ["USDTAILOR_PYTHON"] = ""
+
 import json  # noqa: E402
 
 import numpy as np  # noqa: E402

@@ -1,6 +1,6 @@
 //! The coarser levels of detail in the summary and the report of a build.
 
-use super::Built;
+use super::{Built, unused};
 use serde_json::{Value, json};
 use tailor_costume::Products;
 use tailor_mesh::error::{Warnings, names};
@@ -24,9 +24,9 @@ impl<'a> Thin<'a> {
 
 /// The warnings of products, with those of each coarser level.
 pub fn warnings(products: &Products) -> Warnings {
-    let mut all = products.warnings.clone();
+    let mut all = unused::together(products);
     for (number, level) in (1..).zip(&products.levels) {
-        for mut warning in level.warnings.iter().cloned() {
+        for mut warning in unused::together(level).iter().cloned() {
             warning.problem += &format!(" at level of detail {number}");
             all.push(warning);
         }

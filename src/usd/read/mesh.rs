@@ -64,7 +64,7 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
     };
     let elements = [mesh.face_vertex_counts.len(), mesh.points.len(), mesh.face_vertex_indices.len()];
     mesh.primvars = warnings.absorb(read_primvars(prim, time, elements, &mut declarations)?);
-    check_joints(prim, &mesh.primvars, time)?;
+    warnings.extend(check_joints(prim, &mut mesh.primvars, time)?);
     warnings.extend(constant_uvs(prim, &mesh, time)?);
     let (shapes, offsets) = warnings.absorb(read_shapes(prim, time, mesh.points.len())?);
     declarations.shapes = shapes;

@@ -5,21 +5,36 @@ use super::query::{OrUnreadable, prim_at, value};
 use crate::names;
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
-use tailor_mesh::error::Error;
-use tailor_mesh::garment::{PrimvarInput, Values, joints::JOINT_INDICES};
+use tailor_mesh::error::{Error, Warning};
+use tailor_mesh::garment::{
+    PrimvarInput, Values,
+    joints::{JOINT_INDICES, JOINT_WEIGHTS},
+};
 
-/// Refuses influences of joints that the skeleton does not have. OpenUSD skins no point of such a mesh.
+/// Refuses influences of joints that the skeleton does not have. OpenUSD skins no point of such a mesh. Where the skeleton is the one
+/// joint that Blender makes for shape keys without their armature, the skin is left out, with a warning.
 ///
 /// # Errors
 /// The first such influence.
-pub fn check_joints(prim: &Prim, primvars: &[PrimvarInput], time: Option<TimeCode>) -> Result<(), Error> {
-    let Some(primvar) = primvars.iter().find(|primvar| primvar.name == JOINT_INDICES) else { return Ok(()) };
-    let Values::I32(joints) = &primvar.values else { return Ok(()) };
+pub fn check_joints(
+    prim: &Prim,
+    primvars: &mut Vec<PrimvarInput>,
+    time: Option<TimeCode>,
+) -> Result<Option<Warning>, Error> {
+    let Some(primvar) = primvars.iter().find(|primvar| primvar.name == JOINT_INDICES) else { return Ok(None) };
+    let Values::I32(joints) = &primvar.values else { return Ok(None) };
     let count = joint_count(prim, time)?;
     let is_known = |joint: i32| joint >= 0 && count.is_none_or(|count| (joint as usize) < count);
-    let Some(at) = joints.iter().position(|joint| !is_known(*joint)) else { return Ok(()) };
+    let Some(at) = joints.iter().position(|joint| !is_known(*joint)) else { return Ok(None) };
     let size = usize::try_from(primvar.element_size).unwrap_or(1).max(1);
     let (joint, row) = (joints[at], at / size);
+    if count == Some(1) && joint > 0 {
+        let why =
+            format!("it names joint {joint}, and its skeleton has one joint, as of an export without the armature");
+        primvars.retain(|primvar| ![JOINT_INDICES, JOINT_WEIGHTS].contains(&primvar.name.as_str()));
+        let warning = Warning::not_carried(format!("the skin of {}", prim.path()), why);
+        return Ok(Some(warning.remedy("Export the garment with its armature")));
+    }
     let has =
         count.map_or_else(|| "joints are numbered from 0".to_owned(), |count| format!("there are {count} joints"));
     Err(Error::usd(format!("{}.primvars:{JOINT_INDICES}: value {row} names joint {joint}, and {has}", prim.path()))

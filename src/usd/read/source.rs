@@ -120,7 +120,9 @@ impl Source {
 
     fn take(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let stage = origin.open()?;
-        Self::of_stage(&stage, origin, options)
+        let read = Self::of_stage(&stage, origin.clone(), options);
+        let error = read.as_ref().map_or_else(Some, |source| source.garment.as_ref().err());
+        if origin.converts_more(&stage, error) { Self::of_stage(&origin.open()?, origin, options) } else { read }
     }
 
     /// Reads the one mesh of a stage that `options` choose.
@@ -153,7 +155,7 @@ impl Source {
         // Prims are composed when they are read.
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
-        warnings.extend(model.origin.read.left_out());
+        warnings.extend(model.origin.read.warnings());
         warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
         let mut source = Self { model, garment, recipe, facts, warnings, seams: Vec::new(), fitted: None };
         source.sew_itself(tolerance);
@@ -191,6 +193,11 @@ impl Source {
     /// A property of a type that no recipe field has, or whose target is not a subset of the mesh.
     pub fn recipe(&self) -> Result<Map<String, Json>, Error> {
         self.recipe.clone()
+    }
+
+    /// The notes about its layers that were converted.
+    pub fn notes(&self) -> Vec<Warning> {
+        self.model.origin.read.notes()
     }
 
     /// Notes that the garment is made of files with bodies too.

@@ -66,6 +66,7 @@ pub fn follow_body(
     mesh.points.clone_from(&points);
     let on_stage = Mesh { points: authored.into(), ..Mesh::clone(builder.garment()) };
     warnings.extend(source.set_fitted(&on_stage, points, time, &recipe.trim)?);
+    warnings.extend(files.iter().flat_map(Source::notes));
     source.add_bodies(&files);
     Ok((Some(FitWay { steps, bodies, to }), warnings))
 }

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tailor_costume::binding::Binding;
 use tailor_costume::drive::{BindFrames, BindPose, Driver};
-use tailor_mesh::error::Error;
+use tailor_mesh::error::{Error, Warning};
 
 /// A mesh at bind, which a cache moves.
 pub struct MeshAtBind {
@@ -81,6 +81,8 @@ pub struct Bound {
     pub metadata: Vec<(String, Value)>,
     /// The files of its layers.
     pub layers: Vec<PathBuf>,
+    /// The notes about layers that were converted.
+    pub notes: Vec<Warning>,
 }
 
 /// A mesh that is bound, or a trim.
@@ -146,7 +148,8 @@ impl Bound {
         let metrics = StageMetrics::of(&metadata);
         let counts = std::iter::repeat_n(3, triangles.len());
         let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
-        Ok((Self { sim, frames, meshes, metadata, layers: layer_files(&stage) }, motions))
+        let (layers, notes) = (layer_files(&stage), chosen.origin.read.notes());
+        Ok((Self { sim, frames, meshes, metadata, layers, notes }, motions))
     }
 }
 

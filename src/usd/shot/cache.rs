@@ -16,7 +16,7 @@ use openusd::sdf::{FieldKey, Path, Specifier, Value, ValueTypeName};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde::Deserialize;
 use std::path::{Path as FilePath, PathBuf};
-use tailor_mesh::error::{Error, ErrorKind};
+use tailor_mesh::error::{Error, ErrorKind, Warning};
 
 /// The metadata of a cache that a shot has too: frames and time codes per second.
 pub const RATE: [&str; 2] = ["framesPerSecond", "timeCodesPerSecond"];
@@ -68,6 +68,8 @@ pub struct Cache {
     pub motion: Option<Motion>,
     points: usize,
     frames: Frames,
+    /// The notes about its layers that were converted.
+    pub notes: Vec<Warning>,
 }
 
 /// Where the frames are.
@@ -100,6 +102,7 @@ impl Cache {
                     motion: None,
                     points,
                     frames: Frames::Numpy(frames),
+                    notes: Vec::new(),
                 }
             }
             "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(cache, mesh)?,
@@ -225,7 +228,8 @@ impl Cache {
             return cache;
         }
         let file = &cache.file;
-        let stage = StageOrigin::new(file, None, &[]).open()?;
+        let origin = StageOrigin::new(file, None, &[]);
+        let stage = origin.open()?;
         let path = chosen(&sampled_meshes(&stage, file, mesh)?, cache, mesh)?;
         let prim = prim_at(&stage, &path)?;
         let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(&path)?;
@@ -249,7 +253,8 @@ impl Cache {
         // Overs alone are meant for a layer over the garment, whose transforms they have there.
         let motion = prim.is_defined().or_unreadable(&path)?.then(|| Motion::of(&prim, None)).transpose()?;
         let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
-        Ok(Self { file: file.clone(), times, rate, metrics, motion, points, frames })
+        let notes = origin.read.notes();
+        Ok(Self { file: file.clone(), times, rate, metrics, motion, points, frames, notes })
     }
 
     /// A cache in one crate without transforms, whose frames are read from the file one by one; `None` if they cannot be.
@@ -280,7 +285,16 @@ impl Cache {
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
         let (rate, metrics) = (rates(&metadata), StageMetrics::of(&metadata));
-        Some(Ok(Self { file: cache.file.clone(), times, rate, metrics, motion, points: count, frames }))
+        Some(Ok(Self {
+            file: cache.file.clone(),
+            times,
+            rate,
+            metrics,
+            motion,
+            points: count,
+            frames,
+            notes: Vec::new(),
+        }))
     }
 }
 

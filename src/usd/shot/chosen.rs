@@ -26,6 +26,8 @@ pub struct Chosen {
     pub meshes: Vec<BoundMesh>,
     /// Whether the options name one of them.
     is_one: bool,
+    /// The stage that has them.
+    pub origin: StageOrigin,
 }
 
 impl Chosen {
@@ -34,16 +36,22 @@ impl Chosen {
     /// # Errors
     /// As [`Chosen::new`].
     pub fn open(options: &DriveOptions) -> Result<(Stage, Self), Error> {
-        let stage = StageOrigin::new(&options.render, None, &[]).open()?;
-        let error = match Self::new(&stage, options) {
+        let origin = StageOrigin::new(&options.render, None, &[]);
+        let mut stage = origin.open()?;
+        let mut chosen = Self::new(&stage, options, &origin);
+        if origin.converts_more(&stage, chosen.as_ref().err()) {
+            stage = origin.open()?;
+            chosen = Self::new(&stage, options, &origin);
+        }
+        let error = match chosen {
             Ok(chosen) => return Ok((stage, chosen)),
             Err(error) => error,
         };
         let wanted = options.prim.as_ref().and_then(|wanted| Path::new(wanted).ok());
         let choices = wanted.and_then(|wanted| levels_above(&stage, &wanted).ok()).unwrap_or_default();
         for choice in choices {
-            let stage = StageOrigin::new(&options.render, None, &[choice]).open()?;
-            if let Ok(chosen) = Self::new(&stage, options) {
+            let stage = StageOrigin { variants: vec![choice], ..origin.clone() }.open()?;
+            if let Ok(chosen) = Self::new(&stage, options, &origin) {
                 return Ok((stage, chosen));
             }
         }
@@ -54,21 +62,30 @@ impl Chosen {
     ///
     /// # Errors
     /// None, or several simulation meshes.
-    pub fn new(stage: &Stage, options: &DriveOptions) -> Result<Self, Error> {
-        let all = bound_meshes(stage, &options.render)?;
+    pub fn new(stage: &Stage, options: &DriveOptions, origin: &StageOrigin) -> Result<Self, Error> {
+        let all = bound_meshes(stage, &options.render, false)?;
         let file = options.render.display();
         let listed = |paths: &[&Path]| paths.iter().map(|path| path.as_str()).collect::<Vec<_>>().join(", ");
         let of_sim = |sim: &Path| Self {
             sim: sim.clone(),
             meshes: all.iter().filter(|mesh| mesh.sim == *sim).cloned().collect(),
             is_one: false,
+            origin: origin.clone(),
         };
         if let Some(wanted) = &options.prim {
             if let Some(mesh) = all.iter().find(|mesh| mesh.sim.as_str() == wanted) {
                 return Ok(of_sim(&mesh.sim));
             }
             let found = all.iter().find(|mesh| mesh.path.as_str() == wanted);
-            let one = |mesh: &BoundMesh| Self { sim: mesh.sim.clone(), meshes: vec![mesh.clone()], is_one: true };
+            let one = |mesh: &BoundMesh| Self {
+                sim: mesh.sim.clone(),
+                meshes: vec![mesh.clone()],
+                is_one: true,
+                origin: origin.clone(),
+            };
+            if let Some(error) = in_instance(stage, &options.render)?.filter(|_| found.is_none()) {
+                return Err(error);
+            }
             return found.map(one).ok_or_else(|| {
                 let mut bound: Vec<&Path> = all.iter().map(|mesh| &mesh.path).collect();
                 bound.dedup();
@@ -86,9 +103,11 @@ impl Chosen {
         }
         match sims.as_slice() {
             [one] => Ok(of_sim(one)),
-            [] => Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
-                .code(codes::NOT_BOUND)
-                .remedy("build it with `usdtailor build` of this version")),
+            [] => Err(in_instance(stage, &options.render)?.unwrap_or_else(|| {
+                Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
+                    .code(codes::NOT_BOUND)
+                    .remedy("build it with `usdtailor build` of this version")
+            })),
             _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
                 .code(codes::SEVERAL_MESHES)
                 .remedy(format!("choose one by --prim: {}", listed(&sims)))),
@@ -105,8 +124,8 @@ impl Chosen {
         let mut found = Vec::new();
         let mut known: Vec<Path> = self.meshes.iter().map(|mesh| mesh.path.clone()).collect();
         for choice in choices {
-            let stage = StageOrigin::new(&options.render, None, &[choice]).open()?;
-            let mut meshes = bound_meshes(&stage, &options.render)?;
+            let stage = StageOrigin { variants: vec![choice], ..self.origin.clone() }.open()?;
+            let mut meshes = bound_meshes(&stage, &options.render, false)?;
             meshes.retain(|mesh| mesh.sim == self.sim && !known.contains(&mesh.path));
             known.extend(meshes.iter().map(|mesh| mesh.path.clone()));
             if !meshes.is_empty() {
@@ -125,10 +144,28 @@ fn levels_above(stage: &Stage, mesh: &Path) -> Result<Vec<Selection>, Error> {
     }
 }
 
+/// The error of a stage whose bound meshes are inside instances; none of others.
+fn in_instance(stage: &Stage, file: &FilePath) -> Result<Option<Error>, Error> {
+    let Some(mesh) = bound_meshes(stage, file, true)?
+        .into_iter()
+        .map(|mesh| mesh.path)
+        .find(|path| prim_at(stage, path).is_ok_and(|prim| prim.is_instance_proxy().is_ok_and(|is_proxy| is_proxy)))
+    else {
+        return Ok(None);
+    };
+    let mut above = mesh.ancestors_below_root().skip(1);
+    let is_instance = |path: &Path| prim_at(stage, path).is_ok_and(|prim| prim.is_instance().is_ok_and(|is| is));
+    let instance = above.find(is_instance).unwrap_or_else(|| mesh.clone());
+    let text = format!("{mesh} is inside the instance {instance}, whose points no layer can move");
+    Ok(Some(Error::usd(text).code(codes::INSIDE_INSTANCE).remedy(format!(
+        "set instanceable = false on {instance} in the shot, or drive the garment's own file and refer to the result"
+    ))))
+}
+
 /// The bound meshes of a stage, once for each simulation mesh.
-fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<BoundMesh>, Error> {
+fn bound_meshes(stage: &Stage, file: &FilePath, in_instances: bool) -> Result<Vec<BoundMesh>, Error> {
     let mut found = Vec::new();
-    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, in_instances)? {
         let prim = prim_at(stage, &path)?;
         if !has_points(&prim)? {
             continue;

@@ -101,6 +101,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         let frames = cache.times().len();
         let chunk = FRAMES_PER_THREAD * rayon::current_num_threads();
         let (mut done, mut warnings) = (0, Warnings::default());
+        warnings.extend(bound.notes.iter().chain(&cache.notes).cloned());
         while done < frames {
             let mut read: Vec<Frame> =
                 (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;

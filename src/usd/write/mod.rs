@@ -28,7 +28,7 @@ pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, reci
 pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
 pub use save::{
     Format, HeldOutput, OutputFile, OutputLock, PREFIX, Unfinished, Unnamed, remove_unfinished, temporary_beside,
-    write_whole,
+    temporary_folder, write_whole,
 };
 pub use sets::write_sets;
 pub use trims::{BoundTrim, off_cloth};

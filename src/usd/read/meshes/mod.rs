@@ -18,7 +18,7 @@ use super::trims;
 use crate::codes;
 use crate::on_large_stack;
 use glam::DMat4;
-use openusd::usd::TimeCode;
+use openusd::usd::{Stage, TimeCode};
 use std::path::Path;
 use std::sync::Arc;
 use tailor_mesh::connectivity::{Elements, VertexId};
@@ -43,7 +43,7 @@ impl Source {
         if !may_be_several || options.time.is_some_and(|t| !t.is_finite()) {
             return Ok(vec![Self::of(origin, options)?]);
         }
-        on_large_stack(|| open(origin, options))
+        on_large_stack(|| open(&origin, options))
     }
 
     /// As [`Source::open_all`] for one garment, from `content`: a layer in memory (crate or text) to which another program
@@ -73,21 +73,27 @@ impl Source {
     }
 }
 
-fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
-    let tolerance = options.tolerance()?;
+fn open(origin: &StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
     let stage = origin.open()?;
-    let Some((paths, left_out)) = choose::meshes(&stage, &origin.file, options)? else {
-        return Ok(vec![Source::of_stage(&stage, origin, options)?]);
+    let read = read(&stage, origin, options);
+    let error = read.as_ref().map_or_else(Some, |all| all.iter().find_map(|source| source.garment.as_ref().err()));
+    if origin.converts_more(&stage, error) { self::read(&origin.open()?, origin, options) } else { read }
+}
+
+fn read(stage: &Stage, origin: &StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
+    let tolerance = options.tolerance()?;
+    let Some((paths, left_out)) = choose::meshes(stage, &origin.file, options)? else {
+        return Ok(vec![Source::of_stage(stage, origin.clone(), options)?]);
     };
     let time = options.time.map(TimeCode::new);
     let (mut sources, mut known) = (Vec::with_capacity(paths.len()), KnownSurroundings::default());
     for path in &paths {
         meter::check();
-        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);
+        sources.push(Source::of_mesh(stage, &prim_at(stage, path)?, origin.clone(), options, &mut known)?);
     }
     if sources.len() > 1 {
         check_panels(&mut sources)?;
-        trims::take(&stage, &mut sources)?;
+        trims::take(stage, &mut sources)?;
     }
     sources[0].warnings.extend(left_out);
     // Nothing lies on a lone mesh, whose faults are those of its check.
@@ -99,7 +105,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         let warning = unsewn_borders(unsewn, &sources, tolerance);
         sources[unsewn.panels[0]].warnings.push(warning);
     }
-    laid::garments(&stage, &mut sources, &seams, time)
+    laid::garments(stage, &mut sources, &seams, time)
 }
 
 /// Checks meshes before they are trims or parts of others, as faults name the elements of the mesh itself.

@@ -1,6 +1,7 @@
 //! Bounds the arcs of a prim (references, payloads, inherits, specializes) before a stage is composed: where each of two
 //! references leads to a prim with two references, and so on, they double with each level.
 
+use super::content::ReadFiles;
 use super::resolver::{Files, package_file};
 use crate::assets::ARGUMENTS;
 use crate::codes;
@@ -9,6 +10,7 @@ use openusd::sdf::{self, FieldKey, Layer, Value, default_prim_path};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::fs;
 use std::path::Path;
+use std::sync::Arc;
 use tailor_mesh::error::Error;
 
 /// Arcs of one prim, with those of the prims that they lead to. The USD library takes time that grows with their square.
@@ -28,8 +30,8 @@ const WORDS: [&str; 5] = ["references", "payload", "inherits", "specializes", "s
 ///
 /// # Errors
 /// Such a prim, by its place. A layer that cannot be read has no arcs here.
-pub fn check_arcs(file: &str) -> Result<(), Error> {
-    let mut arcs = Arcs::default();
+pub fn check_arcs(file: &str, read: &Arc<ReadFiles>) -> Result<(), Error> {
+    let mut arcs = Arcs { files: Files::of(read), known: Arc::clone(read), ..Arcs::default() };
     arcs.stack(file.to_owned());
     // More stacks are found as arcs are followed to them.
     for stack in 0.. {
@@ -78,6 +80,7 @@ struct CompositionArc {
 #[derive(Default)]
 struct Arcs {
     files: Files,
+    known: Arc<ReadFiles>,
     stacks: Vec<Stack>,
     /// The stack of each layer; none for one that is not read.
     numbers: HashMap<String, Option<usize>>,
@@ -160,7 +163,7 @@ impl Arcs {
         if !may_have_arcs(&package_file(Path::new(identifier))) {
             return Vec::new();
         }
-        let Ok(layer) = Layer::open_with(Files::default(), identifier) else { return Vec::new() };
+        let Ok(layer) = Layer::open_with(Files::of(&self.known), identifier) else { return Vec::new() };
         let anchor = ResolvedPath::new(layer.resolved_path().unwrap_or(identifier));
         let (data, root) = (layer.data(), sdf::Path::abs_root());
         let field = |path: &sdf::Path, key: FieldKey| data.try_field(path, key.as_str()).ok().flatten();

@@ -1,9 +1,10 @@
 //! The content of each file of a stage, as it was first read: a file that another program replaces must not mix two versions.
 
+use super::converted::{Converted, has_converter};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 use tailor_mesh::error::Warning;
 use tailor_mesh::files::{metadata, read};
@@ -24,6 +25,8 @@ struct Known {
     changed: BTreeSet<PathBuf>,
     /// The metadata that were left out of each layer.
     left_out: BTreeMap<PathBuf, Vec<&'static str>>,
+    /// What became of each layer, once those that the library cannot read are converted: none of those that it reads.
+    converted: Option<BTreeMap<PathBuf, Option<Converted>>>,
 }
 
 /// Bytes and time of a file.
@@ -71,12 +74,41 @@ impl ReadFiles {
         }
     }
 
-    /// The warnings of what was left out.
-    pub fn left_out(&self) -> Vec<Warning> {
+    /// Has layers converted from now on, if something can and they are not yet.
+    pub fn convert(&self) -> bool {
+        let mut known = self.known();
+        let begins = has_converter() && known.converted.is_none();
+        if begins {
+            known.converted = Some(BTreeMap::new());
+        }
+        begins
+    }
+
+    /// The content of a layer that is converted.
+    pub fn converted(&self, layer: &Path) -> Option<Arc<[u8]>> {
+        let content = |known: &Option<Converted>| known.as_ref().map(|one| Arc::clone(&one.content));
+        if let Some(known) = self.known().converted.as_ref()?.get(layer) {
+            return content(known);
+        }
+        let converted = layer.to_str().and_then(Converted::of);
+        content(self.known().converted.get_or_insert_default().entry(layer.to_path_buf()).or_insert(converted))
+    }
+
+    /// The notes about layers that were converted.
+    pub fn notes(&self) -> Vec<Warning> {
+        let known = self.known();
+        let all = known.converted.iter().flatten();
+        all.filter_map(|(layer, converted)| Some(converted.as_ref()?.note(layer))).collect()
+    }
+
+    /// The warnings of what was left out, and the notes about layers that were converted.
+    pub fn warnings(&self) -> Vec<Warning> {
         let warning = |(layer, fields): (&PathBuf, &Vec<&str>)| {
             Warning::not_carried(layer.display(), format!("{}: flattened outputs are without them", fields.join(", ")))
         };
-        self.known().left_out.iter().map(warning).collect()
+        let mut all: Vec<Warning> = self.known().left_out.iter().map(warning).collect();
+        all.extend(self.notes());
+        all
     }
 
     fn note_change(&self, file: &Path) -> io::Error {

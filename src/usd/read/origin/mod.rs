@@ -2,12 +2,14 @@
 
 mod composition;
 mod content;
+mod converted;
 mod dependencies;
 mod letters;
 mod resolver;
 mod text;
 
 pub use content::ReadFiles;
+pub use converted::{Converter, set_converter};
 pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
@@ -15,6 +17,7 @@ use super::variants::{SESSION, Selection, session_layer};
 use crate::assets::as_named;
 use crate::codes;
 use content::CHANGED;
+use converted::{is_unread, lacks_layers};
 use openusd::usd::Stage;
 use std::fs;
 use std::io;
@@ -50,8 +53,21 @@ impl StageOrigin {
     pub fn open(&self) -> Result<Stage, Error> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
-            None => open_file(&self.file, &self.variants, &self.read).or_else(|e| self.check_unchanged().and(Err(e))),
+            None => self.open_file().or_else(|e| self.check_unchanged().and(Err(e))),
         }
+    }
+
+    /// Opens the file, with its layers converted where the library cannot read them.
+    fn open_file(&self) -> Result<Stage, Error> {
+        let open = || open_file(&self.file, &self.variants, &self.read);
+        let first = open();
+        let is_unread = first.as_ref().map_or_else(is_unread, lacks_layers);
+        if is_unread && self.read.convert() { open().or(first) } else { first }
+    }
+
+    /// Whether a stage, or what was read of it, lacks layers that are converted if it is opened again.
+    pub fn converts_more(&self, stage: &Stage, error: Option<&Error>) -> bool {
+        self.content.is_none() && (error.is_some_and(is_unread) || lacks_layers(stage)) && self.read.convert()
     }
 
     /// Refuses files that had another content when they were read again.
@@ -117,7 +133,7 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
     }
     // The file that the system finds, whatever the text of its path would be without links.
     let path = as_named(file)?;
-    composition::check_arcs(&path)?;
+    composition::check_arcs(&path, read_files)?;
     let builder = Stage::builder();
     let builder = match variants {
         [] => builder.resolver(Files::of(read_files)),

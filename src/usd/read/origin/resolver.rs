@@ -1,6 +1,7 @@
 //! Finding and opening the files of a stage.
 
 use super::content::ReadFiles;
+use super::converted::is_layer;
 use super::text::{Readable, Refused, readable};
 use crate::assets::{BY_CONTENT, file_path, normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
@@ -131,8 +132,8 @@ impl Files {
         Some(if same_file(&named, &found) { ResolvedPath::new(named) } else { found })
     }
 
-    /// The path of a text layer with letters beyond ASCII in its words, under which it may be handed over as a crate. None of
-    /// other layers. For a package, it is that of its first layer.
+    /// The path of a layer that is converted, or of a text with letters beyond ASCII in its words, under which it may be handed over
+    /// as a crate. None of other layers. For a package, it is that of its first layer.
     fn by_content(&self, found: &ResolvedPath) -> Option<ResolvedPath> {
         let layer = if ends_with(found, ".usdz") {
             require_memory(&package_file(found)).ok()?;
@@ -140,12 +141,18 @@ impl Files {
         } else {
             found.clone()
         };
-        let path = layer.to_str().filter(|_| ends_with(&layer, ".usda"))?;
-        let known = self.has_letters.borrow().get(path).copied();
-        let has_letters = known.unwrap_or_else(|| self.reads_letters(&layer));
-        self.has_letters.borrow_mut().insert(path.to_owned(), has_letters);
+        let path = layer.to_str().filter(|_| is_layer(&layer))?;
+        let is_crate =
+            self.read.converted(&layer).is_some() || ends_with(&layer, ".usda") && self.has_letters(path, &layer);
         let (path, brackets) = path.split_at(path.trim_end_matches(']').len());
-        has_letters.then(|| ResolvedPath::new(format!("{path}{BY_CONTENT}{brackets}")))
+        is_crate.then(|| ResolvedPath::new(format!("{path}{BY_CONTENT}{brackets}")))
+    }
+
+    fn has_letters(&self, path: &str, layer: &ResolvedPath) -> bool {
+        let known = self.has_letters.borrow().get(path).copied();
+        let has_letters = known.unwrap_or_else(|| self.reads_letters(layer));
+        self.has_letters.borrow_mut().insert(path.to_owned(), has_letters);
+        has_letters
     }
 
     fn read_file(&self, file: &Path) -> io::Result<Vec<u8>> {
@@ -216,6 +223,13 @@ impl Resolver for Files {
         }
         if ends_with(resolved_path, ".usdz") {
             return self.resolver.open_asset(resolved_path);
+        }
+        if let Some(content) = self.read.converted(resolved_path).filter(|_| is_layer(resolved_path)) {
+            if !is_packed {
+                // Its own content is what an output is made of.
+                self.read_file(&package)?;
+            }
+            return Ok(shared(ar::AssetBuffer::from(content)));
         }
         let bytes =
             if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read_file(&package)? };

@@ -11,7 +11,7 @@ pub use held::HeldOutput;
 pub use lock::OutputLock;
 pub use opened::check_whole;
 pub use text::text_of;
-pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
+pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, temporary_folder, write_whole};
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;

@@ -120,6 +120,14 @@ pub fn temporary_beside(file: &Path) -> io::Result<Unfinished<NamedTempFile>> {
     Ok(temporary)
 }
 
+/// A folder for files that another program writes.
+///
+/// # Errors
+/// No folder for temporary files, or one that cannot be written to.
+pub fn temporary_folder() -> io::Result<Unfinished<TempDir>> {
+    Unfinished::new(|| Builder::new().prefix(PREFIX).tempdir())
+}
+
 /// Writes a file completely or not at all. One that is there already is replaced only if `replace`; a link is followed.
 ///
 /// # Errors
