@@ -477,3 +477,22 @@ def test_a_bind_pose_that_is_not_finite_is_refused(usdtailor, coat, cache, tmp_p
     done = run(usdtailor, "drive", layer, "--cache", cache, "-o", out)
     assert done.returncode == 1 and "point 7 of" in done.stderr and "not finite" in done.stderr, done.stderr
     assert not out.exists()
+
+
+@pytest.mark.parametrize("args", [[], ["--prim", "/World/Coat/render"]], ids=["any", "named"])
+def test_a_garment_in_an_instance_is_refused_with_the_instance(usdtailor, coat, cache, tmp_path, args):
+    above, out = tmp_path / "above.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(above))
+    prim = stage.DefinePrim("/World/Coat")
+    prim.GetReferences().AddReference(str(coat.path), coat.model_path.GetPrefixes()[0])
+    prim.SetInstanceable(True)
+    stage.Save()
+    run_again = lambda: run(usdtailor, "drive", above, "--cache", cache, "-o", out, *args)  # noqa: E731
+    done = run_again()
+    assert done.returncode == 1 and not out.exists()
+    for words in ("error[inside-instance]", "is inside the instance /World/Coat,", "set instanceable = false on /World/Coat"):
+        assert words in done.stderr, done.stderr
+    # The remedy helps: the refusal is no longer of the instance.
+    prim.SetInstanceable(False)
+    stage.Save()
+    assert "inside-instance" not in run_again().stderr

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -373,6 +374,22 @@ def test_halves_that_share_their_uvs_stay_on_their_sides(usdtailor, sleeve, tmp_
     turned = write_tube(tmp_path / "turned.usda", shape, shared_uvs(30, 37))
     done = fit(usdtailor, paths["sleeve"], "--from", arm, "--to", turned, "-o", tmp_path / "bad.usda", code=1)
     assert "turned over" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+
+
+def test_bodies_with_a_part_turned_over_are_told(usdtailor, sleeve, tmp_path):
+    """A band of a tenth of the second body has its UVs upside down."""
+    paths, (shape, uvs) = sleeve(), tube(1.5, 8, 30, 40)
+    band = (uvs[:, 1] > 0.425) & (uvs[:, 1] < 0.575)
+    mended = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", write_tube(tmp_path / "good.usda", shape, uvs), "-o", tmp_path / "good_out.usda")
+    assert "bodies-folded" not in mended.stderr
+    uvs[band, 1] = 1 - uvs[band, 1]
+    folded = write_tube(tmp_path / "folded.usda", shape, uvs)
+    report = tmp_path / "report.json"
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", folded, "-o", tmp_path / "out.usda", "--report", report)
+    (told,) = [warning for warning in json.loads(report.read_text())["garments"][0]["warnings"] if warning["code"] == "bodies-folded"]
+    assert told["severity"] == "quality" and "warning[bodies-folded]" in done.stderr
+    share = int(re.search(r"(\d+) % of the second body is turned over", told["message"])[1])
+    assert 7 <= share <= 16, told["message"]
 
 
 @pytest.mark.parametrize("way", ["uvs", "pairs"])

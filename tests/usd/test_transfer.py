@@ -1,11 +1,13 @@
 """What transfer writes beyond primvars and subsets: sharpness, blend shapes, provenance."""
 
+import json
+
 import numpy as np
 import pytest
-from conftest import EXAMPLES
+from conftest import EXAMPLES, run
 from mesh import cut_edges, find_model, read_mesh
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
-from sources import MODEL, add_primvar, add_subset, sheet, write
+from sources import MODEL, add_primvar, add_skinning, add_subset, sheet, write
 
 COUNT = len(sheet()[0])
 
@@ -223,3 +225,54 @@ def test_borders_of_face_sets_that_are_no_constraints_have_no_teeth(build, tmp_p
     report = build(tmp_path / "parts.usda", "--set", "sim.density=", "--set", "sim.constraints=").report
     (found,) = [edges for edges in report["sim"]["edgeSets"] if edges["name"] == "border"]
     assert 0.95 < found["length"] / found["sourceLength"] < 1.14 and found["farthest"] < 1
+
+
+@pytest.mark.parametrize("joints", [1, 2])
+def test_a_skin_without_its_armature_is_left_out(usdtailor, tmp_path, joints):
+    """Blender makes a skeleton of one joint for shape keys, where the armature is not exported. Larger ones lack a joint by mistake."""
+
+    def finish(mesh):
+        add_skinning(mesh, joints=7)
+        stage = mesh.GetPrim().GetStage()
+        skeleton = next(UsdSkel.Skeleton(prim) for prim in stage.Traverse() if prim.IsA(UsdSkel.Skeleton))
+        skeleton.GetJointsAttr().Set([f"joint{i + 1}" for i in range(joints)])
+
+    out = tmp_path / "out.usda"
+    done = run(usdtailor, "build", write(tmp_path / "in.usda", finish=finish), "-o", out)
+    if joints == 2:
+        assert done.returncode == 1 and "error[index-out-of-range]" in done.stderr and "there are 2 joints" in done.stderr
+        return
+    assert done.returncode == 0 and "warning[not-carried]: the skin of /Coat/model" in done.stderr, done.stderr
+    stage = Usd.Stage.Open(str(out))
+    for name in ("sim", "render"):
+        prim = stage.GetPrimAtPath(f"/Coat/{name}")
+        assert not any(prim.GetAttribute(f"primvars:skel:joint{what}").HasAuthoredValue() for what in ("Indices", "Weights"))
+    # It is still on the model.
+    assert stage.GetPrimAtPath("/Coat/model").GetAttribute("primvars:skel:jointIndices").HasAuthoredValue()
+
+
+def test_sets_that_nothing_uses_are_one_warning(usdtailor, tmp_path):
+    """Edge sets that a coarse simulation mesh cannot keep apart, as an export has them, one of which the recipe names."""
+
+    def finish(mesh):
+        for number, column in enumerate((3, 9, 15, 20)):
+            lines = [end for beside in (0, 1, 2) for row in range(4, 20) for end in (25 * row + column + beside, 25 * (row + 1) + column + beside)]
+            add_subset(mesh, name=f"group{number}", indices=lines, element="edge")
+
+    source, report = write(tmp_path / "in.usda", shape=lambda: sheet(24, 24), finish=finish), tmp_path / "out.json"
+
+    def told(*args):
+        out = tmp_path / "out.usda"
+        done = run(usdtailor, "build", source, "-o", out, "--force", "--report", report, "--set", "sim.maxEdgeLength=3", *args)
+        assert done.returncode == 0, done.stderr
+        lines = [line for line in done.stderr.splitlines() if "group" in line]
+        found = [warning for warning in json.loads(report.read_text())["warnings"] if warning["code"] == "not-carried"]
+        return lines, found
+
+    lines, (together,) = told()
+    assert len(lines) == 1 and together["names"] == ["group0", "group1", "group2", "group3"] and len(together["elements"]["edges"]) > 4
+    # What an operator uses is told by itself.
+    lines, found = told("--set", "seam.side.edges=group1", "--set", "seam.side.width=0.2")
+    assert sum("subset group1" in line for line in lines) >= 1
+    (together,) = [warning for warning in found if warning.get("names")]
+    assert together["names"] == ["group0", "group2", "group3"]

@@ -1,14 +1,14 @@
 //! Warnings of sets that nothing uses, together as one.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use tailor_costume::Products;
 use tailor_mesh::error::{Warning, Warnings, names};
 
 /// Begin of the place of a warning of one set of the garment.
 const SET: &str = "subset ";
 
-/// The warnings of products, with those of sets that are not carried as one, if neither the recipe nor a material names the sets.
-/// Exporters write sets by the dozen that nobody uses.
+/// The warnings of products. Those of sets that lose elements are one for each kind of elements, if neither the recipe nor a
+/// material names the sets: exporters write sets by the dozen that nobody uses.
 pub fn together(products: &Products) -> Warnings {
     let recipe = serde_json::to_string(&products.recipe).unwrap_or_default();
     let words: BTreeSet<&str> = recipe.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
@@ -17,18 +17,24 @@ pub fn together(products: &Products) -> Warnings {
         let is_used = words.contains(set) || products.sim.materials.contains_key(set);
         (!is_used).then(|| set.to_owned())
     };
-    let sets: BTreeSet<String> = products.warnings.iter().filter_map(unused).collect();
-    if sets.len() < 2 {
-        return products.warnings.clone();
+    let mut of_kinds = BTreeMap::<&str, BTreeSet<String>>::new();
+    for warning in products.warnings.iter() {
+        of_kinds.entry(warning.elements.kind()).or_default().extend(unused(warning));
     }
-    let (apart, mut all): (Vec<Warning>, Vec<Warning>) =
-        products.warnings.iter().cloned().partition(|warning| unused(warning).is_some());
-    let sets: Vec<String> = sets.into_iter().collect();
-    let why = "elements are lost on the simulation mesh, and neither the recipe nor a material names the sets";
-    let mut warning = Warning::not_carried(format!("subsets {}", names(&sets)), why);
-    warning.names = sets;
-    warning.elements = apart[0].elements.clone();
-    apart.iter().for_each(|other| warning.elements.merge(&other.elements));
-    all.push(warning.remedy("Name those that you need in sim.constraints, or leave the others out of the export"));
-    all.into_iter().collect()
+    let is_alone = |warning: &&Warning| of_kinds[warning.elements.kind()].len() < 2 || unused(warning).is_none();
+    let mut all: Warnings = products.warnings.iter().filter(is_alone).cloned().collect();
+    for (kind, sets) in of_kinds.iter().filter(|(_, sets)| sets.len() > 1) {
+        let sets: Vec<String> = sets.iter().cloned().collect();
+        let why = "the simulation mesh lacks elements of them, and neither the recipe nor a material names them";
+        let mut warning = Warning::not_carried(format!("{kind} sets {}", names(&sets)), why);
+        for other in products.warnings.iter().filter(|w| w.elements.kind() == *kind && unused(w).is_some()) {
+            if warning.elements.is_empty() {
+                warning.elements = other.elements.clone();
+            }
+            warning.elements.merge(&other.elements);
+        }
+        warning.names = sets;
+        all.push(warning.remedy("Name those that you need in sim.constraints, and leave the others out of the export"));
+    }
+    all
 }
