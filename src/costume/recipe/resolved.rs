@@ -2,6 +2,7 @@
 
 use super::Recipe;
 use tailor::recipe::{ResolvedMeshes, resolve_uv_set};
+use tailor::sim::length_scale;
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::options::{Scale, within_size_in_meters};
@@ -23,6 +24,7 @@ impl Resolved {
     pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
+        let mean_edge = length_scale(garment, &recipe.sim, mean_edge);
         recipe.resolve_lengths(Scale { mean_edge, meters: garment.units.meters() });
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
         let meshes = warnings.absorb(ResolvedMeshes::of_groups(recipe.meshes(), &recipe.used(), garment)?);

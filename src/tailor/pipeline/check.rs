@@ -2,9 +2,8 @@
 
 use crate::codes;
 use crate::recipe::MeshRecipe;
-use crate::sim::holes;
+use crate::sim::{holes, mean_edge_length};
 use std::ops::RangeInclusive;
-use tailor_mesh::connectivity::{Topology, VertexId};
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::garment::{BoundaryInterpolation, Mesh};
 use tailor_mesh::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
@@ -61,11 +60,4 @@ pub fn levels(garment: &Mesh, recipe: &MeshRecipe) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Mean length of a garment's edges. \[mesh units\]
-pub fn mean_edge_length(garment: &Mesh) -> f32 {
-    let t = Topology::new(garment.faces.clone(), garment.points.len());
-    let length = |&[a, b]: &[VertexId; 2]| f64::from(garment.points[a].distance(garment.points[b]));
-    (t.edges.iter().map(length).sum::<f64>() / t.edges.len().max(1) as f64) as f32
 }

@@ -17,7 +17,8 @@ mod progress;
 mod sim;
 mod thick;
 
-pub use check::{check_extent, mean_edge_length};
+pub use crate::sim::mean_edge_length;
+pub use check::check_extent;
 pub use frame::{LocalFrame, back};
 pub use memory::MemoryEstimate;
 pub use plan::MeshPlan;

@@ -4,7 +4,7 @@ use super::progress::Clock;
 use crate::codes;
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
-use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, baseline_level, simulate};
+use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, as_made, baseline_level, simulate};
 use crate::transfer::{SetCurve, TransferResult, transfer};
 use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, FaceId};
@@ -144,6 +144,9 @@ pub fn check_size(garment: &Mesh, sim: &ResolvedSim, max_faces: usize) -> Result
 
 fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock<'_>) -> Result<RemeshResult, Error> {
     let options = &sim.options;
+    // A fitted garment may have the triangles of the one that was made.
+    let (form, made) = (garment, as_made(garment, options));
+    let garment = made.as_ref().unwrap_or(garment);
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
         let fault =
@@ -161,7 +164,11 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     }
     let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.min(most_faces(&baseline));
-    let product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
+    let mut product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
+    if made.is_some() {
+        let level = product.baseline.levels.len() as u32;
+        product = product.on(Baseline::at_level(form, options, sim.lengths(form), sim.uv_set(form), level));
+    }
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
     warnings.extend(small_shells(garment, options, &product.baseline));

@@ -3,7 +3,7 @@
 use super::bind::{bind, bind_uv_set};
 use super::uv_set::resolve_uv_set;
 use super::{MeshRecipe, RecipeSets, UsedGroup};
-use crate::sim::{Lengths, SimOptions};
+use crate::sim::{Lengths, SimOptions, length_scale};
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::{Mesh, Primvar};
 use tailor_mesh::options::{Scale, float_primvar};
@@ -38,6 +38,7 @@ impl ResolvedMeshes {
     pub fn new(recipe: &MeshRecipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
+        let mean_edge = length_scale(garment, &recipe.sim, mean_edge);
         recipe.resolve_lengths(Scale { mean_edge, meters: garment.units.meters() });
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
         let resolved = warnings.absorb(Self::of_groups(recipe.clone(), &recipe.used(), garment)?);

@@ -102,6 +102,10 @@ options! {
         /// Store the input face of each vertex and its coordinates there, in primvars:tailor:sourceFace and
         /// primvars:tailor:sourceCoords
         "provenance" provenance: bool = false, Domain::Flag, "true or false";
+
+        /// Give the simulation mesh of a fitted garment the triangles that it has on the first body, so that the garment has the
+        /// same ones on all bodies
+        "asMade" as_made: bool = false, Domain::Flag, "true or false";
     }
 }
 

@@ -1,9 +1,9 @@
 //! The stretch of a mesh against its UVs, as symmetric matrices in the axes of the UVs.
 
 use glam::{DMat2, DVec2, DVec3, Vec3};
-use std::borrow::Cow;
+use tailor::sim::made_points;
 use tailor_mesh::connectivity::{CornerId, FaceId, Faces, IdVec, VertexId};
-use tailor_mesh::garment::{FIT_FROM, Interpolation, Mesh, Primvar, Values};
+use tailor_mesh::garment::{Interpolation, Mesh, Primvar, Values};
 
 /// Least stretch that is undone; a face whose UVs are flat the other way rests as modelled.
 const LEAST_STRETCH: f64 = 0.2;
@@ -52,18 +52,6 @@ impl CageStretch {
         let made = stretch(&points);
         let undone = if is_kept { stretch(&garment.points) } else { made.clone() };
         Some(Self { scale, made, undone })
-    }
-}
-
-/// The points of a garment as it was made: of a fitted one, those on the first body.
-fn made_points(garment: &Mesh) -> Cow<'_, IdVec<VertexId, Vec3>> {
-    let fitted = garment.primvar(FIT_FROM).filter(|p| p.interpolation == Interpolation::Vertex && p.width() == 3);
-    match fitted.map(|primvar| (primvar, &primvar.values)) {
-        Some((primvar, Values::F32(values))) => {
-            let at = |v: VertexId| Vec3::from_slice(&values[3 * primvar.row(v.index())..]);
-            Cow::Owned(garment.points.ids().map(at).collect())
-        }
-        _ => Cow::Borrowed(&garment.points),
     }
 }
 

@@ -29,12 +29,22 @@ impl Baseline {
     ///
     /// `uv_set` is the primvar whose shells are constraints, if there is one.
     pub fn new(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
+        Self::at_level(garment, options, lengths, uv_set, baseline_level(garment, options, lengths))
+    }
+
+    /// As [`Baseline::new`], refined so often.
+    pub fn at_level(
+        garment: &Mesh,
+        options: &SimOptions,
+        lengths: Lengths<'_>,
+        uv_set: Option<&Primvar>,
+        level: u32,
+    ) -> Self {
         let base = Level::base(garment);
         let is_hole = holes(garment, &base);
         let mut manifold = Manifold::new(garment, &base);
         let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
-        let RefinedLevels { levels, mut points, uv_channel, uvs, cage_faces } =
-            manifold.refine(garment, uvs, baseline_level(garment, options, lengths));
+        let RefinedLevels { levels, mut points, uv_channel, uvs, cage_faces } = manifold.refine(garment, uvs, level);
         let all_levels: Vec<&Level> = std::iter::once(&manifold.level).chain(&levels).collect();
         let finest = all_levels[levels.len()];
         let source_face = &cage_faces[levels.len()];

@@ -79,6 +79,15 @@ fn uv_area(uvs: &IdVec<CornerId, Vec2>, face: FaceId) -> f32 {
 }
 
 impl Baseline {
+    /// Gives the vertices other positions.
+    pub fn move_to(&mut self, points: IdVec<VertexId, Vec3>) {
+        self.points = points;
+        for (face, facet) in self.facets.ids().zip(self.facets.iter_mut()) {
+            let [a, b, c] = [0, 1, 2].map(|k| self.points[self.topology.faces.vertices_of(face)[k]]);
+            (facet.points, facet.normal) = ([a, b, c], (b - a).cross(c - a).normalize_or_zero());
+        }
+    }
+
     /// The opposite half-edge, where a projection may cross.
     #[inline]
     pub fn open_twin(&self, corner: CornerId) -> Option<CornerId> {
