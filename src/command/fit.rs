@@ -393,6 +393,10 @@ fn fitted(command: &Fit, garment: OpenGarment, files: &[Source; 2]) -> Result<Do
     let options = fit_options(&builder, &recipe, rigid, keep_length)?;
     let Fitted { points, figures, warnings: of_fit, .. } = fit(builder.garment(), &bodies, &options)?;
     let mut warnings: Warnings = builder.warnings().iter().cloned().collect();
+    if source.has_products() {
+        let stay = Warning::not_carried(format!("the products of {}", source.whole()), "they stay on the first body");
+        warnings.push(stay.remedy("Fit the garment without products, and build the result"));
+    }
     warnings.extend(source.set_fitted(builder.garment(), points, command.inputs.time, &recipe.trim)?);
     warnings.extend(builder.face_numbers().warnings_in_file(of_fit));
     Ok(Done { source, figures, trims: Vec::new(), warnings })

@@ -525,6 +525,14 @@ def test_a_crowd_has_the_same_triangles_on_every_body(usdtailor, sleeve, tmp_pat
     assert not np.array_equal(np.array(UsdGeom.Mesh(own.GetPrimAtPath("/Coat/sim")).GetFaceVertexIndicesAttr().Get()), triangles["arm"])
 
 
+def test_products_that_a_fit_leaves_are_told(usdtailor, sleeve, tmp_path):
+    paths, built = sleeve(), tmp_path / "built.usda"
+    good(usdtailor, "build", paths["sleeve"], "-o", built)
+    done = fit(usdtailor, built, "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "out.usda")
+    assert "warning[not-carried]: the products of /Coat/model: not carried: they stay on the first body" in done.stderr
+
+
+
 def rings(cage):
     """Heights and radii of the rings of a tube."""
     order = np.argsort(cage[:, 1])

@@ -31,7 +31,7 @@ pub use model::{COMPOSITION, Model, Sewing, SubsetRecord, layer_files, stage_met
 pub use origin::{Converter, Files, StageOrigin, first_used, set_converter};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value, vectors, with_ancestors};
 pub use shapes::BlendShape;
-pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, variants_of};
+pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, composition, variants_of};
 pub use space::{is_moving, transforms, world_of};
 pub use surroundings::Sibling;
 pub use trims::{

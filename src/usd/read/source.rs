@@ -270,7 +270,7 @@ pub fn variants_of(file: &Path, options: &ReadOptions, set: &str) -> Result<Vec<
 }
 
 /// Warnings of arcs that fail to compose.
-fn composition(stage: &Stage, file: &Path) -> Warnings {
+pub fn composition(stage: &Stage, file: &Path) -> Warnings {
     let warning = |e| {
         let problem = format!("the stage does not compose fully: {}", in_words(e));
         Warning::new(codes::COMPOSITION, file.display(), problem).remedy(remedy(e))

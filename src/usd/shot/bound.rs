@@ -7,8 +7,8 @@ use super::space::{Motion, Motions, Space};
 use crate::codes;
 use crate::names;
 use crate::read::{
-    OrUnreadable, dependent_attributes, is_a, layer_files, points_name, prim_at, stage_metadata, transforms, value,
-    vectors,
+    OrUnreadable, composition, dependent_attributes, is_a, layer_files, points_name, prim_at, stage_metadata,
+    transforms, value, vectors,
 };
 use crate::write::{extent, pose_points};
 use glam::{DMat4, Quat, Vec3};
@@ -81,7 +81,7 @@ pub struct Bound {
     pub metadata: Vec<(String, Value)>,
     /// The files of its layers.
     pub layers: Vec<PathBuf>,
-    /// The notes about layers that were converted.
+    /// Warnings of its composition, and notes about layers that were converted.
     pub notes: Vec<Warning>,
 }
 
@@ -148,7 +148,8 @@ impl Bound {
         let metrics = StageMetrics::of(&metadata);
         let counts = std::iter::repeat_n(3, triangles.len());
         let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
-        let (layers, notes) = (layer_files(&stage), chosen.origin.read.notes());
+        let (layers, mut notes) = (layer_files(&stage), chosen.origin.read.notes());
+        notes.extend(composition(&stage, &options.render).iter().cloned());
         Ok((Self { sim, frames, meshes, metadata, layers, notes }, motions))
     }
 }

@@ -3,7 +3,9 @@
 use super::DriveOptions;
 use crate::codes;
 use crate::names;
-use crate::read::{OrUnreadable, Selection, StageOrigin, all_prims, choices_of, has_points, prim_at, property_names};
+use crate::read::{
+    OrUnreadable, Selection, StageOrigin, all_prims, choices_of, composition, has_points, prim_at, property_names,
+};
 use openusd::sdf::Path;
 use openusd::usd::{PrimPredicate, Stage};
 use std::path::Path as FilePath;
@@ -104,7 +106,9 @@ impl Chosen {
         match sims.as_slice() {
             [one] => Ok(of_sim(one)),
             [] => Err(in_instance(stage, &options.render)?.unwrap_or_else(|| {
-                Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
+                let faults = composition(stage, &options.render);
+                let why = faults.iter().next().map(|fault| format!("; {}", fault.problem)).unwrap_or_default();
+                Error::usd(format!("{file} has no mesh that is bound to a simulation mesh{why}"))
                     .code(codes::NOT_BOUND)
                     .remedy("build it with `usdtailor build` of this version")
             })),
