@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use tailor_usd::temporary_folder;
 
-/// The Python that runs this program, which its package names. An empty one is no OpenUSD at all.
+/// The Python that runs this program, which its package names. If it is empty, no OpenUSD is started.
 const PYTHON: &str = "USDTAILOR_PYTHON";
 
 /// Writes the layer of the first argument to the file of the second one, and prints the version. Modules in the current folder are
