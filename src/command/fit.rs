@@ -355,7 +355,8 @@ fn fit_to(command: &Fit, task: &Task) -> Result<(Vec<Done>, BuildRecord), Error>
     let opened = command.inputs.open(&task.input)?;
     check_target(&opened[0].source, &task.output, command.force)?;
     let body = |file: &Path| {
-        let read = ReadOptions { prim: command.body_prim.clone(), time: command.inputs.time, ..ReadOptions::default() };
+        let (prim, time) = (command.body_prim.clone(), command.inputs.time);
+        let read = ReadOptions { prim, time, unsewn: true, ..ReadOptions::default() };
         Source::open(file, &read).map_err(of_body)
     };
     let bodies = [body(&command.from)?, body(&task.to)?];

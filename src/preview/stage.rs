@@ -140,7 +140,7 @@ impl Stage {
 fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Error> {
     let of_recipe = || garment.layers().recipe().ok().map(|recipe| recipe.fit.to).filter(|to| !to.is_empty());
     let Some(file) = input.body.clone().or_else(|| of_recipe().map(PathBuf::from)) else { return Ok(None) };
-    let body = Source::open(&file, &ReadOptions { time: input.read.time, ..ReadOptions::default() })?;
+    let body = Source::open(&file, &ReadOptions { time: input.read.time, unsewn: true, ..ReadOptions::default() })?;
     let mesh = body_of(&garment.source, &body)?;
     // Its faces stay as they are on the way.
     let mesh = match garment.way.as_ref().filter(|_| input.body.is_none()) {

@@ -4,6 +4,7 @@ import collections
 
 import numpy as np
 from conftest import run
+from fitting import Triangles, fit, tube, write_tube
 from mesh import find_model
 from pxr import Gf, Usd, UsdGeom
 from sources import sheet, write
@@ -111,3 +112,27 @@ def test_mirrored_halves_are_cut_and_no_fault(build, tmp_path):
     # Each triangle is on one side.
     sides = np.sign(np.round(points[corners][:, :, 0] - middle, 4))
     assert not ((sides.max(axis=1) > 0) & (sides.min(axis=1) < 0)).any()
+
+
+def test_bodies_whose_points_meet_in_one_shape_have_the_same_faces(usdtailor, tmp_path):
+    (points, counts, indices), _ = tube(1, 8, 16, 12)
+    body = write_tube(tmp_path / "body.usda", (points, counts, indices))
+    flat = write_tube(tmp_path / "flat.usda", (points * [1, 1, 0], counts, indices))
+    sleeve = write_tube(tmp_path / "sleeve.usda", tube(1.2, 5, 14, 9)[0])
+    for a, b in ((body, flat), (flat, body)):
+        fit(usdtailor, sleeve, "--from", a, "--to", b, "-o", tmp_path / "out.usda", "--force")
+
+
+def test_a_body_with_doubled_points_takes_the_cloth_along_as_one_without(usdtailor, tmp_path):
+    """As glTF has bodies: each quad has points of its own."""
+    sleeve, found = write_tube(tmp_path / "sleeve.usda", tube(1.1, 5, 14, 9)[0]), []
+    for name, is_doubled in (("plain", False), ("doubled", True)):
+        files = []
+        for bulge in (0, 0.4):
+            (points, counts, indices), _ = tube(1, 8, 16, 12, bulge=bulge)
+            shape = (points[indices], counts, np.arange(len(indices))) if is_doubled else (points, counts, indices)
+            files.append(write_tube(tmp_path / f"{name}{bulge}.usda", shape))
+        out = tmp_path / f"{name}.usda"
+        fit(usdtailor, sleeve, "--from", files[0], "--to", files[1], "-o", out)
+        found.append(Triangles(out).points)
+    assert np.abs(found[0] - found[1]).max() < 1e-4

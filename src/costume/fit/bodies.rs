@@ -8,7 +8,7 @@ use super::{SEARCH_PART, work_limit};
 use crate::codes;
 use glam::DVec3;
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::garment::{Mesh, Orientation};
 
@@ -64,7 +64,8 @@ impl Bodies {
     }
 
     fn of(mesh: &Mesh, from: Vec<DVec3>) -> Self {
-        let (mut triangles, to) = (fans(mesh), as_doubles(mesh));
+        let to = as_doubles(mesh);
+        let mut triangles = joined(fans(mesh), &from, &to);
         let (edges, is_closed) = edges(&triangles);
         if mesh.orientation == Orientation::LeftHanded {
             triangles.iter_mut().for_each(|triangle| triangle.reverse());
@@ -149,6 +150,15 @@ pub(super) fn as_doubles(mesh: &Mesh) -> Vec<DVec3> {
 /// The faces of a mesh as fans of triangles.
 pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
     mesh.faces.fans().map(|triangle| triangle.map(|v| v.index())).collect()
+}
+
+/// Triangles without points that are twice in both shapes, as at the UV seams of some files.
+fn joined(triangles: Vec<[usize; 3]>, from: &[DVec3], to: &[DVec3]) -> Vec<[usize; 3]> {
+    let mut first = HashMap::new();
+    let bits = |v: usize| [from[v], to[v]].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+    let joined = triangles.iter().map(|t| t.map(|v| *first.entry(bits(v)).or_insert(v))).collect::<Vec<_>>();
+    let is_whole = |t: &[usize; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    if joined.iter().all(is_whole) { joined } else { triangles }
 }
 
 /// The edges of triangles, and whether each of them is of two.

@@ -42,6 +42,8 @@ pub struct ReadOptions {
     pub trims: Vec<String>,
     /// Distance at which borders are sewn; 0.001 by default. \[share of the mean edge length\]
     pub sew_tolerance: Option<f64>,
+    /// Leave apart the borders of one mesh that coincide. Bodies are read so, as shapes of one body may meet themselves in other places.
+    pub unsewn: bool,
 }
 
 impl ReadOptions {
@@ -158,7 +160,9 @@ impl Source {
         warnings.extend(model.origin.read.warnings());
         warnings.extend(frozen(prim, &facts.variants, &options.variants)?);
         let mut source = Self { model, garment, recipe, facts, warnings, seams: Vec::new(), fitted: None };
-        source.sew_itself(tolerance);
+        if !options.unsewn {
+            source.sew_itself(tolerance);
+        }
         Ok(source)
     }
 

@@ -121,7 +121,7 @@ fn body(key: &str, file: &str, time: Option<f64>) -> Result<Source, Error> {
         let fault = Error::recipe(key, "it names no body, and fit.to does").code(tailor_mesh::codes::OPTION_VALUE);
         return Err(fault.remedy("name the file of the body that the garment was made for, or take fit.to out"));
     }
-    Source::open(Path::new(file), &ReadOptions { time, ..ReadOptions::default() })
+    Source::open(Path::new(file), &ReadOptions { time, unsewn: true, ..ReadOptions::default() })
         .map_err(|error| of_option(key, &error))
 }
 
