@@ -173,3 +173,13 @@ fn layers() {
 fn pipelines() {
     replay("pipeline", 200);
 }
+
+#[test]
+fn expressions() {
+    replay("sets", 10_000);
+}
+
+#[test]
+fn fits() {
+    replay("fit", 400);
+}

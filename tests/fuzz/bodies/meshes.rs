@@ -48,6 +48,17 @@ pub fn mesh(choices: &mut Choices) -> Garment {
     mesh
 }
 
+/// Another shape of a mesh, with a fault now and then.
+pub fn moved(mesh: &Garment, choices: &mut Choices) -> Garment {
+    let mut mesh = mesh.clone();
+    let [scale, shift] = [1.0, 0.2].map(|size| Vec3::from_array([0; 3].map(|_| size * choices.signed())));
+    mesh.points.iter_mut().for_each(|p| *p = *p * (Vec3::ONE + 0.3 * scale) + shift);
+    if choices.once_in(4) {
+        damage(&mut mesh, choices);
+    }
+    mesh
+}
+
 /// A sheet of quads, bent by chance; a tube if it is `wrapped`.
 fn sheet(mesh: &mut Garment, choices: &mut Choices, wrapped: bool) {
     let (across, along) = (1 + choices.below(MOST_ALONG), 1 + choices.below(MOST_ALONG));

@@ -10,7 +10,8 @@ use choices::Choices;
 use std::path::Path;
 use std::sync::Arc;
 use tailor_costume::Builder;
-use tailor_costume::recipe::{Layers, RecipeFile};
+use tailor_costume::fit::{Bodies, FitOptions, fit as fit_garment};
+use tailor_costume::recipe::{Layers, Recipe, RecipeFile};
 use tailor_mesh::error::{Error, ErrorKind};
 use tailor_mesh::{Elements, Garment, Mesh};
 use tailor_usd::session::PayloadRecipe;
@@ -20,10 +21,19 @@ use tailor_usd::{ReadOptions, Source};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 4] = [("recipe", recipe), ("document", document), ("layer", layer), ("pipeline", pipeline)];
+pub const TARGETS: [Target; 6] = [
+    ("recipe", recipe),
+    ("document", document),
+    ("layer", layer),
+    ("pipeline", pipeline),
+    ("sets", sets),
+    ("fit", fit),
+];
 
 /// Bound of the simulation mesh, so that a case takes no more than seconds. \[triangles\]
 const MAX_FACES: usize = 20_000;
+/// Pairs of places on two bodies; the least are 4.
+const PAIRS: usize = 5;
 /// Points of larger size may overflow in single precision. \[mesh units\]
 const SANE: f32 = 1e15;
 
@@ -75,6 +85,40 @@ pub fn pipeline(data: &[u8]) {
     assert!(faces.ids().all(|face| faces.valence(face) == 3), "the simulation mesh has triangles alone");
 }
 
+/// An expression of sets before the first null byte, on the mesh of the bytes from there on.
+pub fn sets(data: &[u8]) {
+    let (text, mesh) = data.split_at(data.iter().position(|byte| *byte == 0).unwrap_or(data.len()));
+    let Ok(text) = std::str::from_utf8(text) else { return };
+    let Some(builder) = sound(Builder::new(meshes::mesh(&mut Choices::new(mesh)))) else { return };
+    if let Some(set) = sound(builder.derived_set(&Recipe::default(), "a", text)) {
+        assert!(has_elements(builder.garment(), &set.elements), "the elements of {text} exist");
+    }
+}
+
+/// A garment on two bodies, each another shape of the first or of other faces, by faces, UVs or pairs of places.
+pub fn fit(data: &[u8]) {
+    let choices = &mut Choices::new(data);
+    let body = meshes::mesh(choices);
+    let mut like_body = || if choices.once_in(4) { meshes::mesh(choices) } else { meshes::moved(&body, choices) };
+    let (to, garment) = (like_body(), like_body());
+    let finite = [&body, &to, &garment].into_iter().all(is_sane);
+    let checked: Option<Vec<Builder>> = [garment, body, to].into_iter().map(|mesh| sound(Builder::new(mesh))).collect();
+    let Some([garment, from, to]) =
+        checked.as_deref().and_then(|all| Some(all.first_chunk()?.each_ref().map(Builder::garment)))
+    else {
+        return;
+    };
+    let mut place = |mesh: &Mesh| mesh.points.as_slice()[choices.below(mesh.points.len())].as_dvec3();
+    let pairs: Vec<_> = (0..PAIRS).map(|_| [place(from), place(to)]).collect();
+    let bodies = if choices.once_in(3) { Bodies::by_pairs(from, to, &pairs) } else { Bodies::new(from, to) };
+    let mut some_sets =
+        || garment.subsets.iter().filter(|_| choices.once_in(3)).map(|set| set.elements.clone()).collect();
+    let options = FitOptions { rigid: some_sets(), keep_length: some_sets() };
+    let Some(fitted) = sound(bodies).and_then(|bodies| sound(fit_garment(garment, &bodies, &options))) else { return };
+    assert_eq!(fitted.points.len(), garment.points.len(), "a point for each of the garment");
+    assert!(!finite || fitted.points.iter().all(|p| p.is_finite()), "points are finite");
+}
+
 /// The result of a step; an error must have words, and be the fault of the input.
 fn sound<T>(result: Result<T, Error>) -> Option<T> {
     let error = match result {
@@ -93,15 +137,20 @@ fn is_sane(mesh: &Garment) -> bool {
 
 /// Indices in range, and points finite where those of the input are.
 fn check_product(name: &str, mesh: &Mesh, finite: bool) {
-    let (points, faces) = (mesh.points.len(), mesh.faces.len());
+    let points = mesh.points.len();
     assert!(mesh.faces.corners().iter().all(|v| v.index() < points), "{name}: corners name points");
     assert!(!finite || mesh.points.iter().all(|p| p.is_finite()), "{name}: points are finite");
     for subset in mesh.subsets.iter() {
-        let in_range = match &subset.elements {
-            Elements::Faces(all) => all.iter().all(|f| f.index() < faces),
-            Elements::Points(all) => all.iter().all(|v| v.index() < points),
-            Elements::Edges(all) => all.iter().flatten().all(|v| v.index() < points),
-        };
-        assert!(in_range, "{name}: the elements of {} exist", subset.name);
+        assert!(has_elements(mesh, &subset.elements), "{name}: the elements of {} exist", subset.name);
+    }
+}
+
+/// True if a mesh has all of these elements.
+fn has_elements(mesh: &Mesh, elements: &Elements) -> bool {
+    let (points, faces) = (mesh.points.len(), mesh.faces.len());
+    match elements {
+        Elements::Faces(all) => all.iter().all(|f| f.index() < faces),
+        Elements::Points(all) => all.iter().all(|v| v.index() < points),
+        Elements::Edges(all) => all.iter().flatten().all(|v| v.index() < points),
     }
 }
