@@ -20,15 +20,16 @@ pub struct PassedLimit;
 /// that grow as they run.
 #[inline]
 pub fn check() {
-    if is_over() {
-        resume_unwind(Box::new(PassedLimit));
-    }
+    check_for(0);
 }
 
-/// Whether more memory is in use than the limit allows.
+/// As [`check`], before work that takes so many bytes at once.
 #[inline]
-fn is_over() -> bool {
-    USED.load(Ordering::Relaxed) > LIMIT.load(Ordering::Relaxed)
+pub fn check_for(bytes: usize) {
+    let more = isize::try_from(bytes).unwrap_or(isize::MAX);
+    if USED.load(Ordering::Relaxed).saturating_add(more) > LIMIT.load(Ordering::Relaxed) {
+        resume_unwind(Box::new(PassedLimit));
+    }
 }
 
 /// The result of work that stays within the limit.
@@ -54,11 +55,19 @@ pub struct Counting;
 thread_local! {
     /// Bytes that this thread has taken or given back and not added to [`USED`] yet.
     static PENDING: Cell<isize> = const { Cell::new(0) };
+    /// Bytes that this thread has taken and not given back.
+    static OWN: Cell<isize> = const { Cell::new(0) };
+}
+
+/// The bytes that this thread has taken and not given back, for bounds of work in one thread beside others.
+pub fn of_thread() -> isize {
+    OWN.get()
 }
 
 fn count(bytes: isize) {
     /// Bytes from which on a thread adds them. A shared counter is slow.
     const MOST_PENDING: isize = 1 << 16;
+    OWN.with(|own| own.set(own.get() + bytes));
     PENDING.with(|pending| {
         let sum = pending.get() + bytes;
         if sum.abs() < MOST_PENDING {
@@ -70,8 +79,8 @@ fn count(bytes: isize) {
     });
 }
 
-// SAFETY: every call goes to the system's allocator unchanged. Counting neither allocates nor unwinds: `PENDING` has a constant
-// start and no destructor.
+// SAFETY: every call goes to the system's allocator unchanged. Counting neither allocates nor unwinds: `PENDING` and `OWN` have
+// a constant start and no destructor.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as isize);

@@ -247,15 +247,17 @@ def Xform "G"
 
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="no peak memory of a child on this system")
-def test_a_build_that_takes_more_than_its_estimate_ends_at_the_limit(usdtailor, tmp_path):
-    garment = tmp_path / "crowd.usda"
-    garment.write_text(crowd(8000))
-    command = [usdtailor, "build", garment, "-o", tmp_path / "out.usdc", "--max-memory", "300M"]
+@pytest.mark.parametrize("kind, limit", [("crowd", 300), ("seams", 200)])
+def test_a_build_that_takes_more_than_its_estimate_ends_at_the_limit(usdtailor, tmp_path, kind, limit):
+    garment = tmp_path / "in.usda"
+    garment.write_text(crowd(8000) if kind == "crowd" else sheet(50, 50, side=50))
+    command = [usdtailor, "build", garment, "-o", tmp_path / "out.usdc", "--max-memory", f"{limit}M"]
+    command += ["--set", "seam.a.edges=edges"] if kind == "seams" else []
     measured = subprocess.run(
         [sys.executable, "-c", PEAK, *map(str, command)], capture_output=True, text=True, check=True
     )
     status, peak = map(int, measured.stdout.split()[-2:])
-    assert os.waitstatus_to_exitcode(status) == 1 and peak * 1024 < 1.25 * 300 * 2**20
+    assert os.waitstatus_to_exitcode(status) == 1 and peak * 1024 < 1.25 * limit * 2**20
     assert "too-large" in measured.stderr and "--max-memory" in measured.stderr
     assert not (tmp_path / "out.usdc").exists()
 

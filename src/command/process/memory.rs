@@ -46,8 +46,19 @@ pub fn limit(given: Option<u64>) -> usize {
 /// The bytes that a run may take, as [`limit`], held from now on: work that takes more ends by unwinding.
 pub fn hold(given: Option<u64>) -> usize {
     let limit = limit(given);
+    give_back();
     meter::set_limit(limit - limit / UNCOUNTED);
     limit
+}
+
+/// Has the system take back each freed block from this size on. By default, glibc keeps blocks of up to 32 MB: half of a build.
+fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        const BLOCK: libc::c_int = 128 << 10;
+        // SAFETY: it sets a number of the allocator.
+        unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, BLOCK) };
+    }
 }
 
 /// The step of a build that runs; empty before the first.

@@ -6,8 +6,12 @@ use super::stencil::Stencils;
 use super::{Channel, ChannelChild, Level, Numbering, refined_sharpness};
 use crate::connectivity::{CornerId, EdgeId, FaceId, Faces, Topology, VertexId};
 use crate::garment::{Mesh, Primvar, Scheme};
+use crate::meter;
 use rayon::prelude::*;
 use std::sync::Arc;
+
+/// Memory of a refinement for each of its faces and channels, with a level of two. \[bytes\]
+const FACE: usize = 80;
 
 /// The refinement of a level with its face-varying channels.
 ///
@@ -50,6 +54,7 @@ impl Refinement {
     /// The refinement of the next finer level.
     #[must_use]
     pub fn next(&self) -> Self {
+        meter::check_for(FACE * self.faces.len() * (2 + self.channels.len()));
         let refined = Arc::new(self.level.refined());
         // Values of a refined channel are in the order of the primvar's rows.
         let next =
