@@ -23,6 +23,8 @@ const SHOWN: usize = 60;
 const MAX_DEPTH: usize = 256;
 /// Prims of a stage that is searched or flattened. Sets of a film have some ten thousand, without instances.
 const MAX_PRIMS: usize = 100_000;
+/// Memory of the prims of a stage. 100,000 prims of a set take half of it; below references in references, a prim takes 40 kB. \[bytes\]
+const MOST_MEMORY: isize = 1 << 30;
 
 /// The mesh that `options` name, the only one below the prim that they name, or the only one of the stage.
 ///
@@ -226,8 +228,12 @@ pub fn prims_below(
 ) -> Result<Vec<sdf::Path>, Error> {
     let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
     let (mut found, mut open) = (Vec::new(), vec![root.clone()]);
+    let begin = meter::of_thread();
     while let Some(path) = open.pop() {
         meter::check();
+        if meter::of_thread() - begin > MOST_MEMORY {
+            return Err(too_much(file, found.len()));
+        }
         let prim = prim_at(stage, &path)?;
         if !path.is_abs_root() {
             if !stage.prim_matches(&path, predicate).map_err(fault)? {
@@ -247,6 +253,14 @@ pub fn prims_below(
         open.extend(children.iter().rev().filter_map(|name| path.append_path(name.as_str()).ok()));
     }
     Ok(found)
+}
+
+/// The error of a stage whose first prims take too much memory.
+fn too_much(file: &Path, prims: usize) -> Error {
+    let text =
+        format!("{} takes more than 1 GB of memory to compose, for the first {prims} of its prims", file.display());
+    let remedy = "references to prims that have several themselves multiply: open the file of the garment alone";
+    Error::usd(text).code(tailor::codes::TOO_LARGE).remedy(remedy)
 }
 
 /// Refuses prims of too many levels.

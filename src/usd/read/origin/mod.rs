@@ -167,6 +167,10 @@ fn not_usd(file: &Path, words: &str) -> Error {
         unsupported(&format!(
             "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by the usdcat of an old OpenUSD"
         ))
+    } else if words.contains(text::TOO_MANY) {
+        fault
+            .code(tailor::codes::TOO_LARGE)
+            .remedy("save it as a crate, for example by `usdcat in.usda -o in.usdc`: this text takes too long to read")
     } else if NEWER.iter().any(|sign| words.contains(sign)) {
         unsupported("it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`")
     } else {

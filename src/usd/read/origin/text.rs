@@ -13,8 +13,16 @@ const VERSION: &[u8] = b"#usda 1.";
 /// Metadata that are true or false. OpenUSD takes numbers for them.
 const FLAGS: [&[u8]; 4] = [b"active", b"instanceable", b"hidden", b"noLoadHint"];
 
+/// The words that begin prims.
+const PRIMS: [&[u8]; 3] = [b"def", b"over", b"class"];
+
 /// Metadata of prims that the library does not read, and no program uses any more.
 const LEFT_OUT: [&str; 4] = ["prefixSubstitutions", "suffixSubstitutions", "symmetryArguments", "symmetryFunction"];
+
+/// Properties of a prim. Reading takes time that grows with their square.
+const MOST_PROPERTIES: usize = 20_000;
+/// What the line of a further property has.
+pub const TOO_MANY: &str = "a property of a prim that has 20,000 before it";
 
 /// A text in words that the library reads.
 pub struct Readable<'a> {
@@ -24,11 +32,11 @@ pub struct Readable<'a> {
     /// The fields of [`LEFT_OUT`] that were there.
     pub left_out: Vec<&'static str>,
     /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a path that a list has
-    /// twice.
+    /// twice. And what the library takes too long to read.
     pub refused: Option<Refused>,
 }
 
-/// A part of a text that OpenUSD refuses.
+/// A part of a text that is refused.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refused {
     /// Its line, from 1.
@@ -50,6 +58,7 @@ pub fn readable(text: &[u8]) -> Readable<'_> {
         left_out: Vec::new(),
         listed: None,
         refused: None,
+        open: Vec::new(),
     };
     scanner.version();
     while let Some(&byte) = text.get(scanner.at) {
@@ -81,8 +90,10 @@ struct Scanner<'a> {
     left_out: Vec<&'static str>,
     /// The paths of the list so far, each with its file before it; none outside of a list.
     listed: Option<HashSet<&'a [u8]>>,
-    /// The first part that OpenUSD refuses, and what it is.
+    /// The first part that is refused, and what it is.
     refused: Option<(usize, &'static str)>,
+    /// The brackets around: the number of properties so far in those of a prim, none in others.
+    open: Vec<Option<usize>>,
 }
 
 impl<'a> Scanner<'a> {
@@ -134,6 +145,12 @@ impl<'a> Scanner<'a> {
                 let begins_number = self.begins_number(byte);
                 if begins_number && self.last.is_ascii_digit() {
                     self.refuse(self.at, "two numbers without a comma between them");
+                }
+                match byte {
+                    b'{' if matches!(self.last, b'"' | b'\'' | b')') => self.open.push(Some(0)),
+                    b'{' | b'[' | b'(' => self.open.push(None),
+                    b'}' | b']' | b')' => drop(self.open.pop()),
+                    _ => {}
                 }
                 match byte {
                     b'"' | b'\'' => self.string(byte),
@@ -234,6 +251,9 @@ impl<'a> Scanner<'a> {
         let len = self.rest().iter().take_while(|&&byte| is_word(byte)).count();
         let is_value = matches!(self.last, b'=' | b'[' | b',' | b'(' | b':');
         let begins = self.begins || matches!(self.last, b'{' | b'}' | b';');
+        if begins {
+            self.count(&self.rest()[..len]);
+        }
         match &self.rest()[..len] {
             word if !word.is_ascii() => self.escape(word),
             b"yes" if is_value => self.replace(len, b"true"),
@@ -248,6 +268,15 @@ impl<'a> Scanner<'a> {
         // After a property's name, digits are not a number of their own.
         if self.peek(0) == b'.' {
             self.at += 1;
+        }
+    }
+
+    /// Counts a property of a prim by the word that begins it.
+    fn count(&mut self, word: &[u8]) {
+        let Some(Some(count)) = self.open.last_mut() else { return };
+        *count += usize::from(!PRIMS.contains(&word));
+        if *count > MOST_PROPERTIES {
+            self.refuse(self.at, TOO_MANY);
         }
     }
 
@@ -365,6 +394,30 @@ mod tests {
             let refused = readable(text.as_bytes()).refused;
             assert_eq!(refused.map(|refused| refused.line), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn properties_of_one_prim_are_bounded() {
+        let of = |line: &str, count: usize| format!("def \"a\" {{\n    {}}}\n", format!("{line}\n").repeat(count));
+        let refused = |text: String| readable(text.as_bytes()).refused;
+        for property in
+            ["float a", "custom rel b = </A> (\n    doc = \"c\"\n)", "bool[] d = [\n    true,\n    false\n]"]
+        {
+            assert_eq!(refused(of(property, MOST_PROPERTIES)), None, "{property}");
+            assert_eq!(refused(of(property, MOST_PROPERTIES + 1)).map(|of| of.what), Some(TOO_MANY), "{property}");
+        }
+        let half = of("float a; double b", MOST_PROPERTIES / 2);
+        for line in ["def \"b\" {}".to_owned(), half.clone(), format!("variantSet \"v\" = {{ \"w\" {} }}", &half[8..])]
+        {
+            assert_eq!(refused(of(&line, 3)), None, "{}", &line[..12]);
+        }
+        assert_eq!(
+            refused(format!(
+                "over \"a\" {{ int b.timeSamples = {{\n{}}}\n}}",
+                "none: 1,\n".repeat(2 * MOST_PROPERTIES)
+            )),
+            None
+        );
     }
 
     #[test]
