@@ -67,16 +67,13 @@ pub fn of_thread() -> isize {
 fn count(bytes: isize) {
     /// Bytes from which on a thread adds them. A shared counter is slow.
     const MOST_PENDING: isize = 1 << 16;
-    OWN.with(|own| own.set(own.get() + bytes));
-    PENDING.with(|pending| {
-        let sum = pending.get() + bytes;
-        if sum.abs() < MOST_PENDING {
-            pending.set(sum);
-        } else {
-            pending.set(0);
-            USED.fetch_add(sum, Ordering::Relaxed);
-        }
-    });
+    OWN.set(OWN.get() + bytes);
+    let sum = PENDING.get() + bytes;
+    let is_due = sum.abs() >= MOST_PENDING;
+    PENDING.set(if is_due { 0 } else { sum });
+    if is_due {
+        USED.fetch_add(sum, Ordering::Relaxed);
+    }
 }
 
 // SAFETY: every call goes to the system's allocator unchanged. Counting neither allocates nor unwinds: `PENDING` and `OWN` have
