@@ -67,10 +67,9 @@ impl Bodies {
         let to = as_doubles(mesh);
         let mut triangles = joined(fans(mesh), &from, &to);
         let (edges, is_closed) = edges(&triangles);
-        if mesh.orientation == Orientation::LeftHanded {
-            triangles.iter_mut().for_each(|triangle| triangle.reverse());
-        }
-        if outwards(&triangles, &to) < if is_closed { 0.0 } else { INWARDS } {
+        let is_left = mesh.orientation == Orientation::LeftHanded;
+        let outwards = outwards(&triangles, &to) * if is_left { -1.0 } else { 1.0 };
+        if is_left != (outwards < if is_closed { 0.0 } else { INWARDS }) {
             triangles.iter_mut().for_each(|triangle| triangle.reverse());
         }
         Self { triangles, edges, from, to, ..Self::default() }
@@ -154,11 +153,9 @@ pub(super) fn fans(mesh: &Mesh) -> Vec<[usize; 3]> {
 
 /// Triangles without points that are twice in both shapes, as at the UV seams of some files.
 fn joined(triangles: Vec<[usize; 3]>, from: &[DVec3], to: &[DVec3]) -> Vec<[usize; 3]> {
-    let mut first = HashMap::new();
-    let bits = |v: usize| [from[v], to[v]].map(|p| (p + DVec3::ZERO).to_array().map(f64::to_bits));
+    let (mut first, bits) = (HashMap::new(), |v: usize| [from[v], to[v]].map(|p| p.to_array().map(f64::to_bits)));
     let joined = triangles.iter().map(|t| t.map(|v| *first.entry(bits(v)).or_insert(v))).collect::<Vec<_>>();
-    let is_whole = |t: &[usize; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-    if joined.iter().all(is_whole) { joined } else { triangles }
+    if joined.iter().all(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) { joined } else { triangles }
 }
 
 /// The edges of triangles, and whether each of them is of two.

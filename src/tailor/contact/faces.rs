@@ -7,7 +7,6 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use tailor_mesh::connectivity::{CornerId, FaceId, IdVec, VertexId};
-use tailor_mesh::meter;
 use tailor_mesh::subdivide::{Level, Numbering, Stencils, VertexRows, carried_points};
 
 /// Cosine between a child's normal and a direction below which it is flipped. Nearer to 0 takes the overhang of a steep
@@ -67,10 +66,9 @@ impl<'a> RefinedFaces<'a> {
     }
 
     fn extend(&mut self, faces: &[FaceId]) {
-        meter::check_for(size_of::<RefinedFace>() * faces.len());
+        tailor_mesh::meter::check_for(size_of::<RefinedFace>() * faces.len());
         faces.iter().zip(self.faces.len() as u32..).for_each(|(&face, slot)| self.slots[face] = slot);
-        let refined = faces.par_iter().with_min_len(FACES_PER_TASK).map(|&face| self.refinement.face(face));
-        self.faces.par_extend(refined);
+        self.faces.par_extend(faces.par_iter().with_min_len(FACES_PER_TASK).map(|&face| self.refinement.face(face)));
     }
 
     /// Moves the faces to new points of the cage; `vertices` are those that changed. Returns the faces with a moved child,

@@ -16,7 +16,6 @@ use crate::render::operator::{Control, ControlRole};
 use glam::Vec3;
 use rayon::prelude::*;
 use tailor_mesh::connectivity::{IdVec, VertexId};
-use tailor_mesh::meter;
 
 /// Fitting steps without heights. More steps come nearer to the surface and oscillate more.
 const BASE_STEPS: usize = 4;
@@ -89,7 +88,6 @@ impl LimitFit<'_> {
         let places = self.places.iter().zip(self.controls).map(|(place, control)| place.filter(|_| !is_layer(control)));
         let mut places: Vec<Option<CagePlace>> = places.collect();
         for _ in 0..BASE_STEPS {
-            meter::check();
             let step = |i: usize, place: &mut Option<CagePlace>| {
                 let (limit, vertex) = (self.limit(i, &points), self.controls[i].vertex);
                 let Some((nearer, target)) = place.and_then(|place| patches.nearer(place, limit)) else {
@@ -118,7 +116,6 @@ impl LimitFit<'_> {
     /// Moves copies outwards so that their limits coincide with those of their reference controls.
     pub fn aligned(&self, targets: &[(Vec3, Vec3)], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         for _ in 0..BASE_STEPS {
-            meter::check();
             let step = |i: usize| match self.controls[i].role {
                 ControlRole::Copy { side, .. } if self.reference_control[i] != i => {
                     let error =
