@@ -232,7 +232,9 @@ pub fn prims_below(
     while let Some(path) = open.pop() {
         meter::check();
         if meter::of_thread() - begin > MOST_MEMORY {
-            return Err(too_much(file, found.len()));
+            let text = format!("{} takes more than 1 GB to compose, for {} of its prims", file.display(), found.len());
+            let remedy = "references to prims with references multiply: open the file of the garment alone";
+            return Err(Error::usd(text).code(tailor::codes::TOO_LARGE).remedy(remedy));
         }
         let prim = prim_at(stage, &path)?;
         if !path.is_abs_root() {
@@ -253,14 +255,6 @@ pub fn prims_below(
         open.extend(children.iter().rev().filter_map(|name| path.append_path(name.as_str()).ok()));
     }
     Ok(found)
-}
-
-/// The error of a stage whose first prims take too much memory.
-fn too_much(file: &Path, prims: usize) -> Error {
-    let text =
-        format!("{} takes more than 1 GB of memory to compose, for the first {prims} of its prims", file.display());
-    let remedy = "references to prims that have several themselves multiply: open the file of the garment alone";
-    Error::usd(text).code(tailor::codes::TOO_LARGE).remedy(remedy)
 }
 
 /// Refuses prims of too many levels.
