@@ -298,10 +298,9 @@ fn as_written(asset_path: &str, anchor: Option<&ResolvedPath>) -> Option<String>
     normalized(&path).to_str().map(str::to_owned)
 }
 
+#[cfg(unix)]
 #[cfg(test)]
 mod tests {
-    #![cfg(unix)]
-
     use super::*;
     use std::fs;
     use std::os::unix::fs::symlink;
