@@ -27,9 +27,12 @@ const AROUND: [usize; 2] = [256, 4096];
 /// Work for each of them, with which they all take half of it.
 const WORK_AROUND: usize = 16;
 
+/// A vertex, with its distance or weight.
+type Near = (usize, f64);
+
 /// Body vertices around places, with their weights.
 pub struct Surroundings {
-    of: Vec<Vec<(usize, f64)>>,
+    of: Vec<Vec<Near>>,
     /// The surroundings of each place.
     places: Vec<usize>,
 }
@@ -62,20 +65,19 @@ impl Surroundings {
             neighbours[b].push((a, length));
         }
         let least = REACH * bodies.size();
-        let area = |own: &Vec<(usize, f64)>| own.iter().map(|n| n.1 * n.1).sum::<f64>() / own.len().max(1) as f64;
+        let area = |own: &Vec<Near>| own.iter().map(|n| n.1 * n.1).sum::<f64>() / own.len().max(1) as f64;
         let areas: Vec<f64> = neighbours.iter().map(area).collect();
         let step = |beyond: f64| (REACH_STEPS * (1.0 + REACH_BEYOND * beyond * beyond).log2()).round().clamp(0.0, 99.0);
         let places: Vec<(usize, u32)> = places.iter().map(|&(v, beyond)| (v, step(beyond) as u32)).collect();
         let vertices = each_once(places.clone());
         let places = places.iter().map(|place| vertices.partition_point(|v| v < place)).collect();
-        let most = work.left() / (WORK_AROUND * vertices.len()).max(1);
-        let most = most.clamp(AROUND[0], AROUND[1]);
+        let most = (work.left() / (WORK_AROUND * vertices.len()).max(1)).clamp(AROUND[0], AROUND[1]);
         // A vertex counts for the area around it, less where it is farther away.
         let around = |&(place, step): &(usize, u32)| {
             // On a coarse body the neighbours count at least.
             let longest = neighbours[place].iter().map(|n| n.1).fold(0.0, f64::max);
             let reach = least.max(2.0 * longest) * (f64::from(step) / REACH_STEPS).exp2();
-            let weigh = |(v, distance): (usize, f64)| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
+            let weigh = |(v, distance): Near| (v, areas[v] * (1.0 - (distance / reach).powi(2)));
             within(&neighbours, place, (reach, most), work).into_iter().map(weigh).collect()
         };
         Self { of: vertices.par_iter().map(around).collect(), places }
@@ -89,12 +91,7 @@ impl Surroundings {
 }
 
 /// The vertices within a reach of one along edges, with their distances (Dijkstra 1959).
-fn within(
-    neighbours: &[Vec<(usize, f64)>],
-    place: usize,
-    (reach, most): (f64, usize),
-    work: &WorkLimit,
-) -> Vec<(usize, f64)> {
+fn within(neighbours: &[Vec<Near>], place: usize, (reach, most): (f64, usize), work: &WorkLimit) -> Vec<Near> {
     meter::check();
     let (mut found, mut best) = (Vec::new(), BTreeMap::from([(place, 0.0)]));
     // The bits of distances, which are not negative, sort as the distances do.
@@ -120,7 +117,7 @@ fn within(
 }
 
 /// The affine map of weighted points.
-fn frame(around: &[(usize, f64)], from: &[DVec3], to: &[DVec3]) -> Frame {
+fn frame(around: &[Near], from: &[DVec3], to: &[DVec3]) -> Frame {
     let total: f64 = around.iter().map(|a| a.1).sum();
     let mean = |points: &[DVec3]| around.iter().map(|&(v, w)| w * points[v]).sum::<DVec3>() / total;
     let [a, b] = [mean(from), mean(to)];
