@@ -44,6 +44,8 @@ class _ReadArguments(TypedDict, total=False):
     """Prims to leave out, by name, path or collection."""
     sew_tolerance: "float | None"
     """Distance at which borders are sewn. [share of the mean edge length]"""
+    no_fallback: bool
+    """Refuse layers that only OpenUSD reads."""
 
 
 class ExamineArguments(_ReadArguments, total=False):
@@ -119,6 +121,8 @@ class FitArguments(_WriteArguments, total=False):
 class DriveArguments(TypedDict, total=False):
     """The arguments of :func:`drive`: the options of ``usdtailor drive``."""
 
+    no_fallback: bool
+    """Refuse layers that only OpenUSD reads."""
     prim: "str | None"
     """Path of the render mesh to drive, or of a simulation mesh for all that are bound to it."""
     cache_prim: "str | None"

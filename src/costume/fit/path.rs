@@ -26,9 +26,11 @@ const TRIES: usize = 6;
 /// How often faces that cannot follow are let go, so that the others can.
 const MOST_RELEASED: usize = 8;
 /// Pull of a point to where its place on the body went, against the pull of an edge, and the share of the body's size at which it
-/// is half of that. Beyond, the point hangs: from three times that distance on, it goes where the body as a whole does there.
+/// is half of that.
 const PULL: f64 = 0.1;
 const FAR: f64 = 0.015;
+/// From so many times that distance on, a point hangs: it goes where the body as a whole does there, and wholly from twice that on.
+const HANGING: f64 = 2.0;
 
 /// A garment on its way.
 pub struct Path<'a> {
@@ -69,7 +71,7 @@ impl<'a> Path<'a> {
         let bound = BoundPoints::new(bodies, &bodies.from, rest);
         let far = FAR * bodies.size().max(f64::MIN_POSITIVE);
         let pull = bound.distances().map(|distance| PULL / (1.0 + (distance / far).powi(2))).collect();
-        let hanging = || bound.distances().map(|distance| (distance / far - 1.0).max(0.0));
+        let hanging = || bound.distances().map(|distance| (distance / far - HANGING).max(0.0));
         let places: Vec<(usize, f64)> = bound.vertices().into_iter().zip(hanging()).collect();
         Self {
             cage,

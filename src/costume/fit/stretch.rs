@@ -17,7 +17,7 @@ use tailor_mesh::meter;
 const REACH: f64 = 0.05;
 /// How much farther the body counts around what hangs, by the square of how far it does: for a hem at the knee, the whole body
 /// below the chest, and for a wide sleeve, the arm.
-const REACH_BEYOND: f64 = 2.0;
+const REACH_BEYOND: f64 = 12.0;
 /// Steps of that reach in each doubling.
 const REACH_STEPS: f64 = 4.0;
 /// Share of a similarity in the map, for directions in which the body says little.

@@ -4,6 +4,7 @@
 //! A face is tested with its children, four at a time in vector registers (`simd`, `face`), and faces that are near
 //! each other are near in memory ([`morton_order`]).
 
+mod axis;
 mod bvh;
 mod clearance;
 mod face;
@@ -15,6 +16,7 @@ mod part;
 mod proximity;
 mod simd;
 
+pub use axis::{Quad, separating_axis};
 pub use bvh::{Aabb, Bvh, morton_order, morton_sorted};
 pub use clearance::{Clearance, UNBOUNDED, smaller};
 pub use face::ChildId;

@@ -10,12 +10,12 @@ mod solver;
 mod trial;
 
 use super::child::OperatorDerivation;
-use crate::contact::{TEST, twice_area};
+use crate::contact::{ChildId, Quad, RefinedFaces, TEST, evaluate, separating_axis, twice_area, with_neighbours};
 use candidate::{Candidate, Fault, State};
 use glam::Vec3;
 use rayon::prelude::*;
 use second_refinement::SecondRefinement;
-use solver::{LeastArea, least_areas, solve};
+use solver::{Constraint, Row, add_row, least_areas, separation, solve};
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::subdivide::{Connectivity, Level};
 use trial::{Trial, faces_of, flipped};
@@ -26,6 +26,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 const REDUCED: f32 = 0.3;
 /// Cosine between the normals of a child and its face below which a face of the parent, or of the input, counts as flipped.
 pub const FLIPPED_BEFORE: f32 = 0.3;
+/// Distance of faces that are separated, as a part of their size.
+const GAP: f32 = 5e-3;
 
 /// Work for each face of the cage. Garments take a tenth of it, and a crumpled sheet would take fifty times as much.
 const WORK_PER_FACE: usize = 32 * TEST;
@@ -131,7 +133,8 @@ pub fn repair(input: &RepairInput) -> RepairResult {
             shares[vertex] = LEAST_SHARE;
         }
     }
-    let faults = remaining(&trial, facing_ahead, folded);
+    let best = separate(&mut trial, facing_ahead);
+    let faults = remaining(&trial, best, folded);
     result(trial, shares, faults)
 }
 
@@ -173,16 +176,8 @@ fn turn_to_reference(trial: &mut Trial, reduced: Candidate) -> (Candidate, Vec<F
     faults.extend(turned.iter().map(|&face| [face; 2]));
     let reduced = Candidate { faults, ..reduced };
     let areas = turned.iter().flat_map(|&face| least_areas(&trial.faces, face, trial.wanted_area(face)));
-    let constraints: Vec<LeastArea> = areas.collect();
-    if constraints.is_empty() || trial.work.is_over() {
-        return (reduced, flipped(&folded));
-    }
-    let points = solve(&trial.points, &constraints, trial.input.copy_pairs, &trial.work);
-    let state = |v: VertexId| if points[v] == trial.points[v] { trial.states[v] } else { State::Moved };
-    let states = points.ids().map(state).collect();
-    let moved = trial.move_to(states, points);
-    let after = trial.faults_after(&reduced.faults, &moved).map(|faults| trial.candidate(faults));
-    (trial.take_best(std::iter::once(reduced).chain(after).collect()), flipped(&folded))
+    let constraints: Vec<Box<dyn Constraint>> = areas.collect();
+    (move_by(trial, reduced, &constraints, trial.input.copy_pairs), flipped(&folded))
 }
 
 /// Reduces heights, all the way at once, where faces intersect on the second refinement; the best state of each part. Each
@@ -207,6 +202,58 @@ fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
     trial.take_best(candidates)
 }
 
+/// Separates faces that still intersect by small moves; the best state of each part.
+fn separate(trial: &mut Trial, reduced: Candidate) -> Candidate {
+    if reduced.faults.is_empty() {
+        return reduced;
+    }
+    let around = with_neighbours(trial.topology(), &faces_of(&reduced.faults));
+    let of_ahead = trial.ahead.as_ref().map(|ahead| ahead.separations(&trial.faces, &around, &trial.work));
+    if trial.work.is_over() {
+        return reduced;
+    }
+    let mut constraints = of_ahead.unwrap_or_default();
+    constraints.extend(separations(&trial.faces, trial.input.unfitted, &reduced.faults));
+    move_by(trial, reduced, &constraints, &[])
+}
+
+/// Constraints that separate the children of intersecting faces, along the axis that separates them in the cage with the
+/// points `separated`.
+fn separations(faces: &RefinedFaces, separated: &IdVec<VertexId, Vec3>, faults: &[Fault]) -> Vec<Box<dyn Constraint>> {
+    let row = |vertex: VertexId| {
+        let mut row = Row::new();
+        add_row(&mut row, faces.rows(), vertex, 1.0);
+        row
+    };
+    let quad = |child: ChildId| {
+        let vertices = faces.child_vertices(child);
+        Quad { points: vertices.map(|v| evaluate(faces.rows(), v, separated)), vertices }
+    };
+    let of_pair = |pair: [ChildId; 2]| {
+        let [over, under] = pair.map(quad);
+        separation(faces, pair, separating_axis(&over, &under), GAP, row)
+    };
+    faults.iter().flat_map(|&[f, g]| faces.intersecting_children(f, g)).flat_map(of_pair).collect()
+}
+
+/// Moves the cage to meet constraints; the better of that and the state before for each part.
+fn move_by(
+    trial: &mut Trial,
+    before: Candidate,
+    constraints: &[Box<dyn Constraint>],
+    copies: &[[VertexId; 2]],
+) -> Candidate {
+    if constraints.is_empty() || trial.work.is_over() {
+        return before;
+    }
+    let points = solve(&trial.points, constraints, copies, &trial.work);
+    let state = |v: VertexId| if points[v] == trial.points[v] { trial.states[v] } else { State::Moved };
+    let states = points.ids().map(state).collect();
+    let moved = trial.move_to(states, points);
+    let after = trial.faults_after(&before.faults, &moved).map(|faults| trial.candidate(faults));
+    trial.take_best(std::iter::once(before).chain(after).collect())
+}
+
 /// The faces with a fault at the end. Faces folded before count unless a solver has moved them.
 fn remaining(trial: &Trial, best: Candidate, folded: Vec<FaceId>) -> Vec<FaceId> {
     let faces = &trial.topology().faces;
@@ -227,4 +274,43 @@ fn unfitted_normals(input: &RepairInput) -> IdVec<FaceId, Vec3> {
         if area.length() > 1e-3 * longest { area.normalize() } else { Vec3::ZERO }
     };
     (0..faces.len()).into_par_iter().map(|face| normal(FaceId::new(face))).collect::<Vec<_>>().into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::WorkLimit;
+    use tailor_mesh::connectivity::Faces;
+    use tailor_mesh::garment::{Mesh, Scheme, SubdivisionRules};
+    use tailor_testing::cage::Cage;
+
+    /// A quad on the ground and one above it with a corner at a height.
+    fn sheets(corner: f32) -> Cage {
+        let ground = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+        let mut over = ground.map(|p| p + Vec3::new(0.1, 0.1, 0.2));
+        over[0].z = corner;
+        Cage::new(Mesh {
+            points: ground.into_iter().chain(over).collect(),
+            faces: Faces::quads((0..8).map(VertexId::new).collect::<Vec<_>>()),
+            rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+            ..Mesh::default()
+        })
+    }
+
+    fn refined<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> RefinedFaces<'a> {
+        RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &[0, 1].map(FaceId::new), None)
+    }
+
+    #[test]
+    fn intersecting_faces_are_separated_as_they_were_before() {
+        let (intersecting, separated) = (sheets(-0.1), sheets(0.2));
+        let points = &intersecting.garment().points;
+        let both = [0, 1].map(FaceId::new);
+        assert_eq!(refined(&intersecting, points).intersecting_pairs(&both, &WorkLimit::default()), [both]);
+        let of = |points| separations(&refined(&intersecting, points), &separated.garment().points, &[both]);
+        let after = solve(points, &of(points), &[], &WorkLimit::default());
+        assert!(refined(&intersecting, &after).intersecting_pairs(&both, &WorkLimit::default()).is_empty());
+        assert!(points.ids().all(|v| points[v].distance(after[v]) < 0.1));
+        assert!(of(&after).is_empty());
+    }
 }

@@ -3,13 +3,16 @@
 //! Each refinement moves the points of the one before. Where two sheets almost touch, or a fold is tight, faces that do not
 //! intersect on the first may do on the second. Only the part of the cage that is close to itself is refined twice.
 
-use super::SecondRefinementInput;
 use super::candidate::Fault;
+use super::solver::{Constraint, Row, add_row, separation};
+use super::{GAP, SecondRefinementInput};
 use crate::contact::{
-    ChildId, NextContacts, Proximity, RefinedFaces, RefinedPart, TEST, WorkLimit, each_once, evaluate,
+    ChildId, NextContacts, Proximity, Quad, RefinedFaces, RefinedPart, TEST, WorkLimit, each_once, evaluate,
+    separating_axis,
 };
 use rayon::prelude::*;
-use tailor_mesh::connectivity::FaceId;
+use tailor_mesh::connectivity::{FaceId, VertexId};
+use tailor_mesh::subdivide::Stencils;
 
 /// Pairs of children that one task refines again. Fewer refine more of the cage twice.
 const PAIRS_PER_TASK: usize = 1024;
@@ -37,6 +40,28 @@ impl<'a> SecondRefinement<'a> {
         let near = self.near(faces, of, work);
         let found = self.intersecting(faces, &near.pairs, work);
         each_once(found.iter().map(faces_of).chain(near.crowded.iter().map(|&face| [face; 2])).collect())
+    }
+
+    /// Constraints that separate children that intersect on the second refinement, along the axis that separates them on
+    /// the first. Incomplete beyond the bound of `work`.
+    pub fn separations(&self, faces: &RefinedFaces, of: &[FaceId], work: &WorkLimit) -> Vec<Box<dyn Constraint>> {
+        let pairs = self.intersecting(faces, &self.near(faces, of, work).pairs, work);
+        let part = RefinedPart::new(faces.level(), &pairs, |v| faces.points()[v]);
+        let refined = part.refined();
+        let row = |vertex: VertexId| {
+            let mut row = Row::new();
+            refined.rows().row(vertex.index(), &mut |v, weight| add_row(&mut row, faces.rows(), part.whole[v], weight));
+            row
+        };
+        let of_pair = |pair: &[ChildId; 2]| -> Vec<Box<dyn Constraint>> {
+            let [a, b] = pair.map(|child| part.face(child));
+            let [over, under] =
+                pair.map(|child| Quad { points: faces.child(child), vertices: faces.child_vertices(child) });
+            let axis = separating_axis(&over, &under);
+            let children = refined.intersecting_children(a, b).into_iter();
+            children.flat_map(|pair| separation(&refined, pair, axis, GAP, row)).collect()
+        };
+        pairs.iter().flat_map(of_pair).collect()
     }
 
     /// The contacts of some faces that are possible on the second refinement.
@@ -89,9 +114,10 @@ fn sorted([a, b]: Fault) -> Fault {
 
 #[cfg(test)]
 mod tests {
+    use super::super::solver::solve;
     use super::*;
     use glam::Vec3;
-    use tailor_mesh::connectivity::{Faces, IdVec, VertexId};
+    use tailor_mesh::connectivity::{Faces, IdVec};
     use tailor_mesh::garment::Mesh;
     use tailor_testing::cage::Cage;
 
@@ -123,13 +149,18 @@ mod tests {
         RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all(cage), None)
     }
 
-    /// The faults ahead of a cage with these points that it has not with the small quad as high as `before`.
-    fn ahead(cage: &Cage, points: &IdVec<VertexId, Vec3>, before: f32) -> Vec<Fault> {
+    /// The faults ahead of a cage with these points that it has not with the small quad as high as `before`, and what
+    /// separates them.
+    fn ahead(cage: &Cage, points: &IdVec<VertexId, Vec3>, before: f32) -> (Vec<Fault>, Vec<Box<dyn Constraint>>) {
         let (faces, input, all) = (refined(cage, points), ridge(before), all(cage));
         let close = IdVec::filled(true, all.len());
         let (input_points, input_faces) = (&input.garment().points, &all.iter().copied().collect());
         let input = SecondRefinementInput { input: input.level(), input_points, input_faces, close };
-        SecondRefinement::new(&input, &faces).faults(&faces, &all, &WorkLimit::default())
+        let ahead = SecondRefinement::new(&input, &faces);
+        {
+            let work = WorkLimit::default();
+            (ahead.faults(&faces, &all, &work), ahead.separations(&faces, &all, &work))
+        }
     }
 
     #[test]
@@ -141,11 +172,21 @@ mod tests {
             "on the first"
         );
         let both = [10, 16].map(FaceId::new);
-        assert_eq!(ahead(&cage, points, LOW), [both]);
-        assert_eq!(ahead(&cage, points, HIGH), [[both[0]; 2]; 0], "they are in the input");
+        assert_eq!(ahead(&cage, points, LOW).0, [both]);
+        assert_eq!(ahead(&cage, points, HIGH).0, [[both[0]; 2]; 0], "they are in the input");
         let low = ridge(LOW);
-        assert_eq!(ahead(&low, &low.garment().points, LOW), [[both[0]; 2]; 0]);
+        assert_eq!(ahead(&low, &low.garment().points, LOW).0, [[both[0]; 2]; 0]);
         let faces = refined(&low, &low.garment().points);
         assert!(Proximity::new(&faces).contacts(&faces, &all(&low), &WorkLimit::default()).pairs.is_empty());
+    }
+
+    #[test]
+    fn they_are_separated_by_small_moves() {
+        let cage = ridge(HIGH);
+        let points = &cage.garment().points;
+        let after = solve(points, &ahead(&cage, points, LOW).1, &[], &WorkLimit::default());
+        assert!(ahead(&cage, &after, LOW).0.is_empty());
+        assert!(points.ids().all(|v| points[v].distance(after[v]) < 0.05));
+        assert!(points.ids().any(|v| points[v] != after[v]));
     }
 }

@@ -3,7 +3,7 @@
 //! Constraints that fail are met one after the other, each by the least move that does (Müller et al. 2007, *Position based
 //! dynamics*, section 3.3).
 
-use crate::contact::{RefinedFaces, TEST, WorkLimit};
+use crate::contact::{ChildId, RefinedFaces, TEST, WorkLimit};
 use glam::Vec3;
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::subdivide::{Stencils, VertexRows};
@@ -18,12 +18,19 @@ const OVERSHOOT: f32 = 1.1;
 const FURTHEST: f32 = 0.1;
 
 /// A point, as a weighted sum of a cage's points.
-type Row = Vec<(VertexId, f32)>;
+pub type Row = Vec<(VertexId, f32)>;
+
+/// A condition on the points of a cage.
+pub trait Constraint {
+    /// The least moves that meet it, to first order; none where it holds. A vertex and its copy are one variable, named by
+    /// `variable`.
+    fn moves(&self, points: &IdVec<VertexId, Vec3>, variable: &dyn Fn(VertexId) -> VertexId) -> Vec<(VertexId, Vec3)>;
+}
 
 /// Points that meet constraints, as far as the bound of `work` allows. Vertices move with their copies.
 pub fn solve(
     points: &IdVec<VertexId, Vec3>,
-    constraints: &[LeastArea],
+    constraints: &[Box<dyn Constraint>],
     copies: &[[VertexId; 2]],
     work: &WorkLimit,
 ) -> IdVec<VertexId, Vec3> {
@@ -64,7 +71,7 @@ fn least_moves(mut gradient: Vec<(VertexId, Vec3)>, lack: f32, furthest: f32) ->
 }
 
 /// A child of a face has an area to the side of a direction.
-pub struct LeastArea {
+struct LeastArea {
     /// The diagonals of the child: from its vertex point to the face point, and from its edge point to the previous one.
     diagonals: [Row; 2],
     direction: Vec3,
@@ -76,11 +83,11 @@ pub struct LeastArea {
 
 /// Constraints that give every child of a face a minimum area. `area` is twice the area of the face, as a vector along the
 /// normal that its children should have.
-pub fn least_areas(faces: &RefinedFaces, face: FaceId, area: Vec3) -> Vec<LeastArea> {
+pub fn least_areas(faces: &RefinedFaces, face: FaceId, area: Vec3) -> Vec<Box<dyn Constraint>> {
     let valence = faces.level().topology.faces.valence(face);
     let least = LEAST_AREA * area.length() / valence as f32;
     let (direction, furthest) = (area.normalize_or_zero(), FURTHEST * area.length().sqrt());
-    let of_child = |number: usize| -> LeastArea {
+    let of_child = |number: usize| -> Box<dyn Constraint> {
         let [vertex, edge, centre, previous] = faces.child_vertices((face, number));
         let diagonals = [[vertex, centre], [edge, previous]].map(|[from, to]| {
             let mut row = Row::new();
@@ -88,14 +95,12 @@ pub fn least_areas(faces: &RefinedFaces, face: FaceId, area: Vec3) -> Vec<LeastA
             add_row(&mut row, faces.rows(), to, 1.0);
             row
         });
-        LeastArea { diagonals, direction, least, furthest }
+        Box::new(LeastArea { diagonals, direction, least, furthest })
     };
     (0..valence).map(of_child).collect()
 }
 
-impl LeastArea {
-    /// The least moves that meet it, to first order; none where it holds. A vertex and its copy are one variable, named by
-    /// `variable`.
+impl Constraint for LeastArea {
     fn moves(&self, points: &IdVec<VertexId, Vec3>, variable: &dyn Fn(VertexId) -> VertexId) -> Vec<(VertexId, Vec3)> {
         let [u, v] = [0, 1].map(|i| self.diagonals[i].iter().map(|&(vertex, w)| w * points[vertex]).sum::<Vec3>());
         let lack = self.least - u.cross(v).dot(self.direction);
@@ -109,8 +114,63 @@ impl LeastArea {
     }
 }
 
+/// Points are on two sides of a plane.
+struct Separation {
+    over: Vec<Row>,
+    under: Vec<Row>,
+    /// The normal of the plane, towards `over`.
+    axis: Vec3,
+    /// The least distance along it.
+    gap: f32,
+}
+
+/// Constraints that put two children on opposite sides of a plane, the first one above it. Common vertices lie in the
+/// plane. `row` gives a vertex of the refinement as a weighted sum of a cage's points; `gap` is a share of a child's size.
+pub fn separation(
+    faces: &RefinedFaces,
+    [over, under]: [ChildId; 2],
+    axis: Vec3,
+    gap: f32,
+    row: impl Fn(VertexId) -> Row,
+) -> Vec<Box<dyn Constraint>> {
+    let corners = faces.child(over);
+    let gap = gap * corners[0].distance(corners[2]);
+    let [over, under] = [over, under].map(|child| faces.child_vertices(child));
+    let (common, over): (Vec<VertexId>, Vec<VertexId>) = over.into_iter().partition(|v| under.contains(v));
+    let under: Vec<VertexId> = under.into_iter().filter(|v| !common.contains(v)).collect();
+    let separation = |over: &[VertexId], under: &[VertexId]| -> Box<dyn Constraint> {
+        let [over, under] = [over, under].map(|vertices| vertices.iter().map(|&v| row(v)).collect());
+        Box::new(Separation { over, under, axis, gap })
+    };
+    if common.is_empty() {
+        return vec![separation(&over, &under)];
+    }
+    vec![separation(&over, &common), separation(&common, &under)]
+}
+
+impl Constraint for Separation {
+    fn moves(&self, points: &IdVec<VertexId, Vec3>, variable: &dyn Fn(VertexId) -> VertexId) -> Vec<(VertexId, Vec3)> {
+        let height = |row: &Row| row.iter().map(|&(v, w)| w * points[v].dot(self.axis)).sum::<f32>();
+        let lowest = |sign: f32, rows: &[Row]| {
+            let heights = rows.iter().map(|row| sign * height(row)).enumerate();
+            heights.min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let mut gradient = Vec::new();
+        let (Some((over, low)), Some((under, high))) = (lowest(1.0, &self.over), lowest(-1.0, &self.under)) else {
+            return gradient;
+        };
+        let lack = self.gap - low - high;
+        if lack > 0.0 {
+            let under = self.under[under].iter().map(|&(v, w)| (v, -w));
+            let weights = self.over[over].iter().copied().chain(under);
+            weights.for_each(|(v, w)| add(&mut gradient, variable(v), w * self.axis));
+        }
+        least_moves(gradient, lack, self.gap)
+    }
+}
+
 /// Adds a multiple of a refinement's vertex, as a weighted sum, to a row.
-fn add_row(row: &mut Row, rows: &VertexRows, vertex: VertexId, times: f32) {
+pub fn add_row(row: &mut Row, rows: &VertexRows, vertex: VertexId, times: f32) {
     rows.row(vertex.index(), &mut |v, weight| add(row, v, times * weight));
 }
 
@@ -147,7 +207,7 @@ mod tests {
         RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all, None)
     }
 
-    fn areas(faces: &RefinedFaces, of: impl IntoIterator<Item = FaceId>) -> Vec<LeastArea> {
+    fn areas(faces: &RefinedFaces, of: impl IntoIterator<Item = FaceId>) -> Vec<Box<dyn Constraint>> {
         of.into_iter().flat_map(|face| least_areas(faces, face, 2.0 * Vec3::Z)).collect()
     }
 
