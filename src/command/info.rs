@@ -15,11 +15,11 @@ use recorded::RecordedBuild;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use tailor::recipe::named_sets;
 use tailor::sets::ListedSet;
 use tailor_costume::trim::Ride;
 use tailor_costume::{Builder, Plan, Recipe};
 use tailor_mesh::error::{Error, ErrorKind, Fault, Warnings};
-use tailor_mesh::options::{Domain, Given};
 use tailor_mesh::units::in_words;
 use tailor_mesh::{Mesh, PrimvarRole};
 use tailor_usd::session::OpenGarment;
@@ -341,18 +341,13 @@ fn panels(out: &mut String, source: &Source) {
 /// The operators of a recipe, with the sets that they work on.
 fn operators(out: &mut String, garment: &Mesh, recipe: &Recipe) {
     for (name, options) in recipe.operators() {
-        let group = options.group();
-        let values = group.keys.iter().zip(options.given());
-        let sets = values.filter_map(|(key, given)| match (key.domain, given) {
-            (Domain::Sets { .. }, Given::Names(sets)) => Some(sets),
-            _ => None,
-        });
-        let sized = sets
-            .flatten()
+        let sized = named_sets(options)
+            .flat_map(|(_, _, sets)| sets)
             .filter_map(|set| garment.subset(set))
             .map(|set| format!("{} ({} {}s)", set.name, set.elements.len(), set.elements.kind()));
         let left_out = if options.is_enabled() { "" } else { ", left out" };
-        let _ = writeln!(out, "  {:<8} {name}: {}{left_out}", group.name, sized.collect::<Vec<_>>().join(", "));
+        let _ =
+            writeln!(out, "  {:<8} {name}: {}{left_out}", options.group().name, sized.collect::<Vec<_>>().join(", "));
     }
 }
 

@@ -275,7 +275,7 @@ def drive(rng, folder, pool):
     return [name, "--cache", rng.choice([cache, cache, name]), "-o", f"out{rng.choice(['.usda', '.usdc'])}", *rng.choice(extra)]
 
 
-# What a user starts: how often of a hundred, and how its arguments are made.
+# Each subcommand, with its share of the cases in percent, and the function that makes its arguments.
 DOORS = {"build": (35, build), "check": (15, examined), "info": (5, examined), "sets": (10, sets), "fit": (20, fit), "drive": (15, drive)}
 
 

@@ -54,7 +54,7 @@ def test_a_layer_that_only_openusd_reads_is_built_over_itself(usdtailor, openusd
     (told,) = [warning for warning in json.loads(report.read_text())["warnings"] if warning["code"] == "converted-layer"]
     assert told["severity"] == "note" and "\n" not in told["message"]
     assert Sdf.Layer.FindOrOpen(str(out)).subLayerPaths == ["./coat.usda"] and source.read_bytes() == before
-    # The same as of the layer that OpenUSD writes.
+    # The products equal those of the layer that OpenUSD exports.
     plain = tmp_path / "plain.usdc"
     Sdf.Layer.FindOrOpen(str(source)).Export(str(plain))
     good(usdtailor, "build", plain, "-o", tmp_path / "plain_out.usda")

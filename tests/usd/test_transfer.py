@@ -271,7 +271,7 @@ def test_sets_that_nothing_uses_are_one_warning(usdtailor, tmp_path):
 
     lines, (together,) = told()
     assert len(lines) == 1 and together["names"] == ["group0", "group1", "group2", "group3"] and len(together["elements"]["edges"]) > 4
-    # What an operator uses is told by itself.
+    # A set that an operator uses has a warning of its own.
     lines, found = told("--set", "seam.side.edges=group1", "--set", "seam.side.width=0.2")
     assert sum("subset group1" in line for line in lines) >= 1
     (together,) = [warning for warning in found if warning.get("names")]

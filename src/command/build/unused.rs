@@ -1,6 +1,7 @@
 //! Warnings of sets that nothing uses, together as one.
 
 use std::collections::{BTreeMap, BTreeSet};
+use tailor::recipe::named_sets;
 use tailor_costume::Products;
 use tailor_mesh::error::{Warning, Warnings, names};
 
@@ -10,8 +11,10 @@ const SET: &str = "subset ";
 /// The warnings of products. Those of sets that lose elements are one for each kind of elements, if neither the recipe nor a
 /// material names the sets: exporters write sets by the dozen that nobody uses.
 pub fn together(products: &Products) -> Warnings {
-    let recipe = serde_json::to_string(&products.recipe).unwrap_or_default();
-    let words: BTreeSet<&str> = recipe.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let groups = products.recipe.used();
+    // An expression names sets among its words.
+    let named = groups.iter().flat_map(|(_, options)| named_sets(*options)).flat_map(|(_, _, sets)| sets);
+    let words: BTreeSet<&str> = named.flat_map(|set| set.split(|c: char| !c.is_alphanumeric() && c != '_')).collect();
     let unused = |warning: &Warning| {
         let set = warning.place.strip_prefix(SET).filter(|_| warning.code == tailor_mesh::codes::NOT_CARRIED)?;
         let is_used = words.contains(set) || products.sim.materials.contains_key(set);

@@ -40,7 +40,7 @@ pub fn converted(layer: &str) -> Option<(Vec<u8>, String)> {
     })
 }
 
-/// What a program prints that ends well.
+/// The output of a program; none where it fails.
 fn printed(command: &mut Command) -> Option<String> {
     let done = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
     done.status.success().then(|| String::from_utf8_lossy(&done.stdout).into_owned())

@@ -71,15 +71,15 @@ impl<'a> Path<'a> {
         let bound = BoundPoints::new(bodies, &bodies.from, rest);
         let far = FAR * bodies.size().max(f64::MIN_POSITIVE);
         let pull = bound.distances().map(|distance| PULL / (1.0 + (distance / far).powi(2))).collect();
-        let hanging = || bound.distances().map(|distance| (distance / far - HANGING).max(0.0));
-        let places: Vec<(usize, f64)> = bound.vertices().into_iter().zip(hanging()).collect();
+        let hanging = bound.distances().map(|distance| (distance / far - HANGING).max(0.0));
+        let places: Vec<(usize, f64)> = bound.vertices().into_iter().zip(hanging).collect();
         Self {
             cage,
             rest,
             bodies,
             clearance: Clearance::new(cage, rest, bodies, &start),
             surroundings: Surroundings::new(bodies, &places, &start),
-            hang: hanging().map(|hang| (0.5 * hang).min(1.0)).collect(),
+            hang: places.iter().map(|(_, hanging)| (0.5 * hanging).min(1.0)).collect(),
             rigid: RigidCage::new(cage, rest, pull, options),
             start,
             work,

@@ -13,7 +13,7 @@ pub use crate::__recipe as recipe;
 pub use bind::{bind, bind_uv_set};
 pub use groups::{MeshRecipe, check_counts, full_name};
 pub use resolved::{ResolvedMeshes, ResolvedSim};
-pub use sets::RecipeSets;
+pub use sets::{RecipeSets, named_sets};
 pub use uv_set::resolve_uv_set;
 
 use tailor_mesh::options::OptionGroup;

@@ -6,7 +6,7 @@ use crate::sets::{SetEvaluator, is_subset_name, quoted};
 use std::cell::LazyCell;
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{DERIVED, Mesh, Subset};
-use tailor_mesh::options::{Domain, Given, float_primvar, subset_of};
+use tailor_mesh::options::{Domain, Given, Key, OptionGroup, float_primvar, subset_of};
 
 /// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,11 +27,9 @@ impl RecipeSets {
         let evaluator = LazyCell::new(|| SetEvaluator::new(garment, uv_set));
         let (mut found, mut warnings) = (Self::default(), Warnings::default());
         for (prefix, options) in groups {
-            let group = options.group();
-            let is_operator = MeshRecipe::OPERATORS.iter().any(|operator| operator.name == group.name);
+            let is_operator = MeshRecipe::OPERATORS.iter().any(|operator| operator.name == options.group().name);
             let sets = if is_operator { &mut found.render } else { &mut found.sim };
-            for (key, given) in group.keys.iter().zip(options.given()) {
-                let (Domain::Sets { of, .. }, Given::Names(names)) = (key.domain, given) else { continue };
+            for (key, of, names) in named_sets(*options) {
                 let place = format!("{prefix}.{}", key.key);
                 for name in names.iter().filter(|name| garment.subset(name).is_none()) {
                     if !sets.iter().any(|set| set.name == *name) {
@@ -56,6 +54,17 @@ impl RecipeSets {
         }
         Ok((found, warnings))
     }
+}
+
+/// The keys of a group that name sets, with the kinds of elements that they take, and the names or expressions.
+pub fn named_sets(
+    options: &dyn OptionGroup,
+) -> impl Iterator<Item = (&'static Key, &'static [&'static str], &[String])> {
+    let sets = |(key, given): (&'static Key, _)| match (key.domain, given) {
+        (Domain::Sets { of, .. }, Given::Names(names)) => Some((key, of, names)),
+        _ => None,
+    };
+    options.group().keys.iter().zip(options.given()).filter_map(sets)
 }
 
 /// The expression of the points above the middle of painted weights, where `name` is a primvar and points are wanted.

@@ -4,6 +4,7 @@
 //! surface without heights. [`Placement::raised`] limits the heights to the clearance, adds them, and repairs
 //! self-intersections and flipped faces. An edit of heights repeats only the last step.
 
+mod clearance;
 mod even;
 mod fit;
 mod normals;
@@ -15,6 +16,7 @@ use super::points::CagePoints;
 use super::repair::{LEAST_SHARE, RepairInput, SecondRefinementInput, repair};
 use crate::codes;
 use crate::contact::{Clearance, TEST, each_once, morton_order};
+use clearance::lifted;
 use even::EvenNormals;
 use fit::{LimitFit, Raise, unfolded};
 use glam::Vec3;
@@ -28,12 +30,8 @@ use tailor_mesh::error::{Warning, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
 
-/// Share of the remaining clearance that an operator may use, so that later operators have some.
-const CLEARANCE_SHARE: f32 = 0.5;
 /// Share of its shortest edge by which the fit may move a vertex along the surface.
 const MAX_SLIDE: f32 = 0.4;
-/// Share of the distance between two layers that is the clearance of later operators on each.
-const LAYER_GAP_SHARE: f32 = 0.8;
 /// Clearance, as a multiple of the height, below which a face is checked against other layers. The other layer may be
 /// raised too, and the fit moves both. A smaller range misses intersections; a larger one finds no more.
 const NEAR_HEIGHTS: f32 = 3.0;
@@ -328,48 +326,6 @@ impl Placement {
         let (controls, places, rows) = (&self.output().controls, &self.places, self.child.limits());
         LimitFit { controls, places, rows, reference_control: &self.reference_control }
     }
-
-    /// The heights within the clearance, which is reduced by them. A copy that other cloth leaves too little room lifts its
-    /// original to the other side by what it lacks.
-    fn within_clearance(
-        &self,
-        asked: &[f32],
-        targets: &[(Vec3, Vec3)],
-        clearance: &mut IdVec<VertexId, Clearance>,
-        is_last: bool,
-    ) -> Vec<f32> {
-        let mut all = vec![0.0; asked.len()];
-        for (i, (control, &asked)) in self.output().controls.iter().zip(asked).enumerate() {
-            // A surface that doubles back on itself has no normal there.
-            let asked = if targets[i].1 == Vec3::ZERO { 0.0 } else { asked };
-            let origin = control.role.original().unwrap_or(control.vertex);
-            let (side, height) = (usize::from(asked > 0.0), asked.abs());
-            // The last operator may use all but what a layer and its original need between them.
-            let is_layer = control.role.original().is_some();
-            let share = if is_last && !is_layer { 1.0 } else { CLEARANCE_SHARE };
-            let given = height.min((share * clearance[origin][side]).max(LEAST_SHARE * height));
-            match control.role.original() {
-                Some(over) => {
-                    let lift = self.lifted[i].map_or(0.0, |original| {
-                        // Where both sides are tight, a lift would only press the cloth there.
-                        let (lacks, room) = (height - given, CLEARANCE_SHARE * clearance[over][1 - side]);
-                        let lift = (room - lacks).min(lacks).max(0.0);
-                        all[original] = lift.copysign(-asked);
-                        lift
-                    });
-                    // Both layers share the gap between them. The normal of the second one is reversed.
-                    let (between, rest) = (LAYER_GAP_SHARE * (given + lift), clearance[over][side] - given);
-                    clearance[control.vertex][side] = between;
-                    clearance[control.vertex][1 - side] = rest.max(0.0);
-                    clearance[over][side] = between;
-                    clearance[over][1 - side] -= lift;
-                }
-                None => clearance[origin][side] -= given,
-            }
-            all[i] = given.copysign(asked);
-        }
-        all
-    }
 }
 
 /// The warning of a repair that its bound of work has ended.
@@ -381,18 +337,6 @@ fn cut_short(label: String, most: usize) -> Warning {
     );
     Warning::new(codes::REPAIR_CUT_SHORT, label, problem)
         .remedy("Leave out elements where the garment is crumpled or passes through itself")
-}
-
-/// For each control, that of its original if it is a copy away from the ends of its layer: the surface goes on beside those.
-fn lifted(output: &OperatorOutput, level: &Level) -> Vec<Option<usize>> {
-    let t = &level.topology;
-    let is_end = |v: VertexId| edges_at(t, v).any(|e| t.is_border(e));
-    let originals = output.index(|role| role.original().is_none());
-    let of = |control: &Control| match control.role {
-        ControlRole::Copy { of, closing: LayerEnd::Open, .. } if !is_end(control.vertex) => originals[of],
-        _ => None,
-    };
-    output.controls.iter().map(of).collect()
 }
 
 /// The edges between copies, as indices of their controls, without those of closed ends.

@@ -42,7 +42,7 @@ pub fn mean_edge_length(garment: &Mesh) -> f32 {
 }
 
 impl SimProduct {
-    /// The same triangles on another form of the garment, whose baseline is refined as often.
+    /// The product on another shape of the garment, with the same triangles. Both baselines have the same refinement level.
     #[must_use]
     pub fn on(mut self, form: Baseline) -> Self {
         self.baseline.move_to(form.points);

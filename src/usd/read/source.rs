@@ -107,24 +107,18 @@ impl Source {
     /// A file that is missing or is not USD, and a stage without exactly one mesh when none is named. Faults of the
     /// mesh's own attributes are reported where they matter: by [`Source::garment`] and [`Source::recipe`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, Error> {
-        Self::of(StageOrigin::new(path, None, &options.variants), options)
+        Self::of(&StageOrigin::new(path, None, &options.variants), options)
     }
 
     /// As [`Source::open`], of any stage.
-    pub(super) fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
+    pub(super) fn of(origin: &StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
             return Err(Error::new(ErrorKind::Usage, "", "the time is not a number")
                 .code(tailor_mesh::codes::COMMAND_LINE)
                 .remedy("give a time code, such as 1 or 24.5"));
         }
-        on_large_stack(|| Self::take(origin, options))
-    }
-
-    fn take(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
-        let stage = origin.open()?;
-        let read = Self::of_stage(&stage, origin.clone(), options);
-        let error = read.as_ref().map_or_else(Some, |source| source.garment.as_ref().err());
-        if origin.converts_more(&stage, error) { Self::of_stage(&origin.open()?, origin, options) } else { read }
+        let of_stage = |stage: &Stage| Self::of_stage(stage, origin.clone(), options);
+        on_large_stack(|| origin.with_stage(of_stage, |source| source.garment.as_ref().err()))
     }
 
     /// Reads the one mesh of a stage that `options` choose.

@@ -39,12 +39,8 @@ impl Chosen {
     /// As [`Chosen::new`].
     pub fn open(options: &DriveOptions) -> Result<(Stage, Self), Error> {
         let origin = StageOrigin::new(&options.render, None, &[]);
-        let mut stage = origin.open()?;
-        let mut chosen = Self::new(&stage, options, &origin);
-        if origin.converts_more(&stage, chosen.as_ref().err()) {
-            stage = origin.open()?;
-            chosen = Self::new(&stage, options, &origin);
-        }
+        let choose = |stage: &Stage| Ok((stage.clone(), Self::new(stage, options, &origin)));
+        let (stage, chosen) = origin.with_stage(choose, |(_, chosen)| chosen.as_ref().err())?;
         let error = match chosen {
             Ok(chosen) => return Ok((stage, chosen)),
             Err(error) => error,

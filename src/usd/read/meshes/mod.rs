@@ -35,15 +35,16 @@ impl Source {
     /// # Errors
     /// As [`Source::open`], for any of the meshes; panels that cannot be one mesh.
     pub fn open_all(path: &Path, options: &ReadOptions) -> Result<Vec<Self>, Error> {
-        Self::all_of(StageOrigin::new(path, None, &options.variants), options)
+        Self::all_of(&StageOrigin::new(path, None, &options.variants), options)
     }
 
-    fn all_of(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Self>, Error> {
+    fn all_of(origin: &StageOrigin, options: &ReadOptions) -> Result<Vec<Self>, Error> {
         let may_be_several = options.all || options.prim.is_some() || !options.exclude.is_empty();
         if !may_be_several || options.time.is_some_and(|t| !t.is_finite()) {
             return Ok(vec![Self::of(origin, options)?]);
         }
-        on_large_stack(|| open(&origin, options))
+        let read = |stage: &Stage| read(stage, origin, options);
+        on_large_stack(|| origin.with_stage(read, |all| all.iter().find_map(|source| source.garment.as_ref().err())))
     }
 
     /// As [`Source::open_all`] for one garment, from `content`: a layer in memory (crate or text) to which another program
@@ -52,7 +53,7 @@ impl Source {
     /// # Errors
     /// As [`Source::open_all`]; several garments.
     pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, Error> {
-        Self::only(Self::all_of(StageOrigin::new(file, Some(content), &options.variants), options)?)
+        Self::only(Self::all_of(&StageOrigin::new(file, Some(content), &options.variants), options)?)
     }
 
     /// The one of several garments that there is.
@@ -71,13 +72,6 @@ impl Source {
             }
         }
     }
-}
-
-fn open(origin: &StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
-    let stage = origin.open()?;
-    let read = read(&stage, origin, options);
-    let error = read.as_ref().map_or_else(Some, |all| all.iter().find_map(|source| source.garment.as_ref().err()));
-    if origin.converts_more(&stage, error) { self::read(&origin.open()?, origin, options) } else { read }
 }
 
 fn read(stage: &Stage, origin: &StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {

@@ -25,7 +25,7 @@ struct Known {
     changed: BTreeSet<PathBuf>,
     /// The metadata that were left out of each layer.
     left_out: BTreeMap<PathBuf, Vec<&'static str>>,
-    /// What became of each layer, once those that the library cannot read are converted: none of those that it reads.
+    /// The converted content of each layer, or none for a layer that the library reads. Unset before conversion begins.
     converted: Option<BTreeMap<PathBuf, Option<Converted>>>,
 }
 

@@ -65,9 +65,20 @@ impl StageOrigin {
         if is_unread && self.read.convert() { open().or(first) } else { first }
     }
 
-    /// Whether a stage, or what was read of it, lacks layers that are converted if it is opened again.
-    pub fn converts_more(&self, stage: &Stage, error: Option<&Error>) -> bool {
-        self.content.is_none() && (error.is_some_and(is_unread) || lacks_layers(stage)) && self.read.convert()
+    /// The result of `read` on the stage. Where layers turn out to be unreadable as prims are composed, or by the `fault` of a result,
+    /// they are converted, and the stage is opened and read again.
+    ///
+    /// # Errors
+    /// As [`StageOrigin::open`], and those of `read`.
+    pub fn with_stage<T>(
+        &self,
+        read: impl Fn(&Stage) -> Result<T, Error>,
+        fault: impl Fn(&T) -> Option<&Error>,
+    ) -> Result<T, Error> {
+        let stage = self.open()?;
+        let found = read(&stage);
+        let lacks = found.as_ref().map_or_else(Some, fault).is_some_and(is_unread) || lacks_layers(&stage);
+        if lacks && self.content.is_none() && self.read.convert() { read(&self.open()?) } else { found }
     }
 
     /// Refuses files that had another content when they were read again.

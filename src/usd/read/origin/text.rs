@@ -21,7 +21,7 @@ const LEFT_OUT: [&str; 4] = ["prefixSubstitutions", "suffixSubstitutions", "symm
 
 /// Properties of a prim. Reading takes time that grows with their square.
 const MOST_PROPERTIES: usize = 20_000;
-/// What the line of a further property has.
+/// The construct at which a text with more properties is refused.
 pub const TOO_MANY: &str = "a property of a prim that has 20,000 before it";
 
 /// A text in words that the library reads.
