@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use std::sync::LazyLock;
 use tailor::contact::{Aabb, NearestSearch, twice_area};
 use tailor::render::Origins;
-use tailor::sim::{SimProduct, closest_weights};
-use tailor::transfer::TriangleLocator;
+use tailor::sim::closest_weights;
+use tailor::transfer::Locator;
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::garment::Mesh;
 
@@ -25,9 +25,8 @@ pub struct Binding {
 }
 
 impl Binding {
-    /// Binds the points of `render` to the simulation mesh `sim`, made of `product`. The garment has `source_faces` faces.
-    pub fn new(product: &SimProduct, source_faces: usize, sim: &Mesh, render: &Mesh, origins: &Origins) -> Self {
-        let places = TriangleLocator::new(product, source_faces);
+    /// Binds the points of `render` to the simulation mesh `sim`, on which `places` finds them.
+    pub fn new(places: &Locator<'_>, sim: &Mesh, render: &Mesh, origins: &Origins) -> Self {
         let origin = |i: usize| {
             let vertex = VertexId::new(i);
             (origins.points[vertex], origins.faces.row(vertex))

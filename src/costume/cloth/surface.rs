@@ -12,7 +12,7 @@ const VISITED: usize = 16;
 /// A simulation mesh for queries.
 pub struct Surface<'a> {
     pub mesh: &'a Mesh,
-    pub topology: Topology,
+    pub topology: &'a Topology,
     /// The connected piece of each triangle, numbered by its first triangle.
     pub pieces: Vec<u32>,
     /// The UV shell of each triangle, numbered by its first triangle.
@@ -32,10 +32,9 @@ pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
 }
 
 impl<'a> Surface<'a> {
-    pub fn new(product: &SimProduct, mesh: &'a Mesh) -> Self {
-        let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
-        let pieces = groups(&topology, |_, _| true);
-        let shells = groups(&topology, |corner, twin| shares_uvs(product, &mesh.faces, corner, twin));
+    pub fn new(product: &SimProduct, topology: &'a Topology, mesh: &'a Mesh) -> Self {
+        let pieces = groups(topology, |_, _| true);
+        let shells = groups(topology, |corner, twin| shares_uvs(product, &mesh.faces, corner, twin));
         Self { mesh, topology, pieces, shells, search: NearestSearch::new(&boxes(mesh)) }
     }
 

@@ -159,9 +159,8 @@ impl Bound {
         let playback = Playback::open(&pose.file, &format!("{below}/sim"), sim, source)?;
         let driver = pool.install(|| {
             let builder = builder_for(known, &pose.rendered.job.stage, Progress::default);
-            let garment = Arc::clone(builder.garment());
             let local = builder.meshes().frame().enter(render);
-            let binding = bound_to(&garment, &pose.simulated.update.simulated, &local, &pose.rendered.origins);
+            let binding = bound_to(&pose.simulated.update.simulated, &local, &pose.rendered.origins);
             let corner = |face, k: usize| sim.faces.vertices_of(face)[k].index() as u32;
             let triangles: Vec<[u32; 3]> = sim.faces.ids().map(|face| [0, 1, 2].map(|k| corner(face, k))).collect();
             Driver::new(&BindPose {

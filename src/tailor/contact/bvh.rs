@@ -51,6 +51,11 @@ impl Aabb {
         self.merged(&Self { low: self.low + by, high: self.high + by })
     }
 
+    /// The squared distance of a point.
+    pub fn distance_squared(&self, point: Vec3A) -> f32 {
+        point.distance_squared(point.clamp(self.low, self.high))
+    }
+
     /// Length of the longest side.
     pub fn longest_side(&self) -> f32 {
         (self.high - self.low).max_element()

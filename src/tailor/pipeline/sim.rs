@@ -5,7 +5,7 @@ use crate::codes;
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
 use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, as_made, baseline_level, simulate};
-use crate::transfer::{SetCurve, TransferResult, transfer};
+use crate::transfer::{LocatorTables, SetCurve, TransferResult, transfer};
 use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, FaceId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
@@ -36,6 +36,8 @@ pub struct SimSteps {
 pub struct RemeshResult {
     /// The mesh.
     pub product: SimProduct,
+    /// What finds places on it.
+    pub tables: LocatorTables,
     /// Warnings of it.
     pub warnings: Warnings,
 }
@@ -56,7 +58,8 @@ pub struct SimResult {
 impl SimResult {
     /// The quality figures.
     pub fn figures(&self) -> SimFigures {
-        SimFigures::new(&self.remeshed.product, &self.mesh, &self.curves, self.areas.clone(), self.islands)
+        let RemeshResult { product, tables, .. } = &*self.remeshed;
+        SimFigures::new(product, tables.topology(), &self.mesh, &self.curves, self.areas.clone(), self.islands)
     }
 }
 
@@ -180,7 +183,8 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
         warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
     }
     warnings.extend(curves_cut(&product));
-    Ok(RemeshResult { product, warnings })
+    let tables = clock.run("places", || Ok(LocatorTables::new(&product, form.faces.len())))?;
+    Ok(RemeshResult { product, tables, warnings })
 }
 
 /// The warning of UV shells whose seams the mesh does not follow.
@@ -259,7 +263,7 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
 
 fn simulated(garment: &Mesh, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
     let product = &remeshed.product;
-    let (transferred, mut warnings) = transfer(garment, product, &sim.options);
+    let (transferred, mut warnings) = transfer(garment, product, &remeshed.tables, &sim.options);
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(garment, &areas, &warnings));
     warnings.extend(uvs_flipped(product));

@@ -120,31 +120,13 @@ pub struct RenderFigures {
     pub faces: usize,
     /// Share of faces with four corners.
     pub quads: f32,
-    /// Share of interior vertices with four neighbours.
-    pub valence4: f32,
 }
 
 impl RenderFigures {
     /// The figures of a render mesh.
     pub fn new(mesh: &Mesh) -> Self {
-        let t = Topology::new(mesh.faces.clone(), mesh.points.len());
-        let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
-        let mut valence = IdVec::<VertexId, u32>::filled(0, t.vertex_count());
-        for (edge, ends) in t.edges.enumerated() {
-            for &v in ends {
-                valence[v] += 1;
-                border[v] |= t.is_border(edge);
-            }
-        }
-        let interior: Vec<u32> =
-            valence.enumerated().filter(|(v, n)| !border[*v] && **n > 0).map(|(_, &n)| n).collect();
         let quads = mesh.faces.ids().filter(|&f| mesh.faces.valence(f) == 4).count();
-        Self {
-            vertices: mesh.points.len(),
-            faces: mesh.faces.len(),
-            quads: share(quads, mesh.faces.len()),
-            valence4: share(interior.iter().filter(|&&n| n == 4).count(), interior.len()),
-        }
+        Self { vertices: mesh.points.len(), faces: mesh.faces.len(), quads: share(quads, mesh.faces.len()) }
     }
 }
 
@@ -176,9 +158,10 @@ impl TriangleQuality {
 impl SimFigures {
     /// Measures a simulation mesh.
     ///
-    /// `mesh` is the product with its attributes, and `curves` are the edge subsets on the baseline.
+    /// `topology` is its own, `mesh` the product with its attributes, and `curves` are the edge subsets on the baseline.
     pub fn new(
         product: &SimProduct,
+        topology: &Topology,
         mesh: &Mesh,
         curves: &[SetCurve],
         subset_areas: Vec<SubsetArea>,
@@ -197,7 +180,7 @@ impl SimFigures {
             ..Self::default()
         };
         figures.set_angles(product);
-        figures.set_edges(product, mesh);
+        figures.set_edges(product, topology);
         figures.set_surface(product);
         figures
     }
@@ -214,8 +197,7 @@ impl SimFigures {
         self.share_under30 = share(smallest.partition_point(|&a| a < 30.0), smallest.len());
     }
 
-    fn set_edges(&mut self, product: &SimProduct, mesh: &Mesh) {
-        let t = Topology::new(mesh.faces.clone(), product.points.len());
+    fn set_edges(&mut self, product: &SimProduct, t: &Topology) {
         let mut errors = Vec::with_capacity(t.edges.len());
         let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
         let mut valence = IdVec::<VertexId, u32>::filled(0, t.vertex_count());

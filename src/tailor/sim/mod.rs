@@ -16,7 +16,7 @@ mod shell_uvs;
 mod sim_mesh;
 mod surface;
 
-pub use baseline::{Baseline, BaselinePoint, baseline_level};
+pub use baseline::{Baseline, BaselinePoint, Projection, baseline_level};
 pub use constraints::cage_edges::half_edge;
 pub use constraints::chain::{Chain, ChainKind};
 pub use constraints::feature_lines::{BluntRidge, NarrowStrip};

@@ -25,17 +25,15 @@ mod subsets;
 mod topology;
 mod vertices;
 
-pub use coverage::{Coverage, TriangleLocator};
+pub use coverage::{Coverage, Locator, LocatorTables};
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
 
 use crate::sim::{SimOptions, SimProduct};
 use correspondence::Correspondence;
-use coverage::{Locator, Regions};
 use subsets::CarriedSubsets;
 use tailor_mesh::error::Warnings;
 use tailor_mesh::garment::{Mesh, Scheme, SubdivisionRules};
-use topology::SimTopology;
 
 /// A simulation mesh with attributes, and figures of their transfer.
 pub struct TransferResult {
@@ -49,15 +47,18 @@ pub struct TransferResult {
     pub islands: usize,
 }
 
-/// Carries the attributes of `garment` to the simulation mesh `product`.
+/// Carries the attributes of `garment` to the simulation mesh `product`, which has these tables.
 ///
 /// Warns of what is lost.
-pub fn transfer(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> (TransferResult, Warnings) {
-    let mesh = SimTopology::new(product, garment.faces.len());
-    let regions = Regions::new(&product.baseline);
-    let locator = Locator::new(product, &mesh, &regions);
-    let coverage = Coverage::with_locator(product, &mesh, &locator, options);
-    let map = Correspondence::new(product, &mesh, &coverage);
+pub fn transfer(
+    garment: &Mesh,
+    product: &SimProduct,
+    tables: &LocatorTables,
+    options: &SimOptions,
+) -> (TransferResult, Warnings) {
+    let (mesh, locator) = (&tables.mesh, Locator::new(product, tables));
+    let coverage = Coverage::with_tables(product, tables, options);
+    let map = Correspondence::new(product, mesh, &coverage);
     let ((primvars, mut warnings), subsets) = rayon::join(
         || primvars::carry_all(garment, &map, options),
         || subsets::carry_all(garment, &map, &locator, options),

@@ -7,6 +7,7 @@ pub mod project;
 mod start;
 
 pub use level::baseline_level;
+pub use project::Projection;
 
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;

@@ -4,12 +4,14 @@
 //! over the triangles' own planes. It crosses no chain, so that it stays on its panel and its side of each seam.
 
 use super::regions::Regions;
-use crate::sim::{SimProduct, closest_weights};
+use crate::contact::Aabb;
+use crate::sim::{Projection, SimProduct, closest_weights};
 use crate::transfer::topology::SimTopology;
 use glam::{Vec3, Vec3A};
+use rayon::prelude::*;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
-use tailor_mesh::connectivity::{CornerId, FaceId, IdVec};
+use tailor_mesh::connectivity::{CornerId, Csr, FaceId, IdVec, Topology};
 
 /// Steps after which a walk is in a cycle.
 const MAX_STEPS: usize = 512;
@@ -18,18 +20,28 @@ const MAX_STEPS: usize = 512;
 const BEYOND_CHAIN: f32 = 0.05;
 /// Triangles that a search visits: enough to get around the end of a dart.
 const MAX_SEARCHED: usize = 96;
+/// Triangles of the baseline that share a box. Fewer make more boxes to look at.
+const RUN: usize = 4;
 /// Added distance of a flipped triangle, as a share of its longest side.
 const FLIPPED_PENALTY: f32 = 0.5;
 
-/// The triangles of the simulation mesh, with barycentric coordinates and neighbours.
-pub(in crate::transfer) struct Locator<'a> {
-    product: &'a SimProduct,
-    regions: &'a Regions,
+/// What finds the triangles of a simulation mesh over points of its baseline, made once for each mesh.
+pub struct LocatorTables {
+    pub(in crate::transfer) mesh: SimTopology,
+    regions: Regions,
     maps: IdVec<FaceId, BarycentricMap>,
     /// The triangle across each half-edge that is on no chain.
     across: IdVec<CornerId, Option<FaceId>>,
     /// A triangle of the simulation mesh near each triangle of the baseline; none in a region without any.
     start: IdVec<FaceId, Option<FaceId>>,
+    /// The boxes of runs of [`RUN`] triangles of the baseline in each face of the garment.
+    boxes: Csr<FaceId, Aabb>,
+}
+
+/// Finds the triangle of a simulation mesh over a point of its baseline, on the same panel, layer and side.
+pub struct Locator<'a> {
+    product: &'a SimProduct,
+    tables: &'a LocatorTables,
 }
 
 /// The barycentric coordinates of a triangle of the simulation mesh as an affine map, in UV or in space.
@@ -69,43 +81,129 @@ pub(in crate::transfer) struct SampledTriangle {
     last: FaceId,
 }
 
-impl<'a> Locator<'a> {
-    pub fn new(product: &'a SimProduct, mesh: &SimTopology, regions: &'a Regions) -> Self {
+impl LocatorTables {
+    /// The tables of `product`, whose garment has `source_faces` faces.
+    pub fn new(product: &SimProduct, source_faces: usize) -> Self {
+        let (mesh, regions) =
+            rayon::join(|| SimTopology::new(product, source_faces), || Regions::new(&product.baseline));
         let t = &mesh.topology;
         let across = mesh.twin.enumerated().map(|(c, twin)| {
             let twin = twin.filter(|_| !mesh.is_chain[t.corner_edge[c]]);
             twin.map(|twin| FaceId::new(twin.index() / 3))
         });
+        let across = across.collect();
         let of = regions.of_product(product);
         let map = |(face, &region): (FaceId, &u32)| {
             let is_flat = regions.is_flat[region as usize];
             BarycentricMap::new(corners(product, is_flat, face), is_flat)
         };
-        let start = starts(product, regions, &of);
-        Self { product, regions, maps: of.enumerated().map(map).collect(), across: across.collect(), start }
+        let maps = of.enumerated().map(map).collect();
+        let start = starts(product, &regions, &of);
+        let points = |&triangle: &FaceId| product.baseline.triangle(triangle).map(Vec3A::from);
+        let runs = |source| {
+            let runs = mesh.source_triangles.row(source).chunks(RUN);
+            runs.map(move |run| (source, Aabb::of(run.iter().flat_map(points))))
+        };
+        let boxes = Csr::group(source_faces, (0..source_faces).map(FaceId::new).flat_map(runs), Aabb::EMPTY);
+        Self { mesh, regions, maps, across, start, boxes }
+    }
+
+    /// The triangles in one of the boxes of a face of the garment.
+    fn run(&self, (face, number): (FaceId, usize)) -> &[FaceId] {
+        let triangles = self.mesh.source_triangles.row(face);
+        &triangles[RUN * number..triangles.len().min(RUN * number + RUN)]
+    }
+
+    /// The topology of the simulation mesh.
+    pub fn topology(&self) -> &Topology {
+        &self.mesh.topology
+    }
+}
+
+impl<'a> Locator<'a> {
+    /// Finds places on `product`, of which `tables` were made.
+    pub fn new(product: &'a SimProduct, tables: &'a LocatorTables) -> Self {
+        Self { product, tables }
+    }
+
+    /// Finds a place for each point: the triangle and the weights of its corners. A point is given with faces of the garment
+    /// on or beside which it lies. `None` where the simulation mesh has no triangle in that region.
+    pub fn find<'f>(
+        &self,
+        count: usize,
+        point: impl Fn(usize) -> (Vec3, &'f [FaceId]) + Sync,
+    ) -> Vec<Option<(FaceId, Vec3)>> {
+        let place = |i: usize| {
+            let (point, faces) = point(i);
+            let (face, weights) = self.closest(point, faces)?;
+            self.place(face, weights)
+        };
+        (0..count).into_par_iter().map(place).collect()
+    }
+
+    /// The closest point of the baseline within some faces of the garment, on the lowest of the triangles that are as near: the
+    /// triangle, and the weights of its corners.
+    pub fn closest(&self, point: Vec3, faces: &[FaceId]) -> Option<(FaceId, Vec3)> {
+        let from = Vec3A::from(point);
+        let mut nearest: Option<Projection> = None;
+        let mut look_at = |run: &[FaceId]| {
+            for &triangle in run {
+                let found = self.product.baseline.on_triangle(triangle, point);
+                let key = |at: &Projection| (at.distance_squared.to_bits(), at.location.face);
+                if nearest.as_ref().is_none_or(|nearest| key(&found) < key(nearest)) {
+                    nearest = Some(found);
+                }
+            }
+            nearest.map_or(f32::INFINITY, |nearest| nearest.distance_squared)
+        };
+        // The triangles of the box that is nearest are looked at first, and leave few others to look at.
+        let (mut first, mut distance) = (None, f32::INFINITY);
+        for &face in faces {
+            for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
+                let own = aabb.distance_squared(from);
+                if own < distance || first.is_none() {
+                    (first, distance) = (Some((face, i)), own);
+                }
+            }
+        }
+        let first = first?;
+        let mut least = look_at(self.tables.run(first));
+        for &face in faces {
+            for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
+                if aabb.distance_squared(from) <= least && (face, i) != first {
+                    least = look_at(self.tables.run((face, i)));
+                }
+            }
+        }
+        nearest.map(|nearest| (nearest.location.face, nearest.location.weights))
     }
 
     /// A triangle of the baseline whose points can be located; none in a region without triangles of the simulation
     /// mesh.
-    pub fn triangle(&self, face: FaceId) -> Option<SampledTriangle> {
-        let base = &self.product.baseline;
-        let is_flat = self.regions.is_flat[self.regions.of[face] as usize];
+    pub(in crate::transfer) fn triangle(&self, face: FaceId) -> Option<SampledTriangle> {
+        let (base, regions) = (&self.product.baseline, &self.tables.regions);
+        let is_flat = regions.is_flat[regions.of[face] as usize];
         let (corners, normal) = match is_flat {
             true => ([0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)].extend(0.0)), Vec3::Z),
             false => (base.triangle(face), base.facets[face].normal),
         };
         let corners = corners.map(Vec3A::from);
-        self.start[face].map(|last| SampledTriangle { corners, normal: normal.into(), is_flat, last })
+        self.tables.start[face].map(|last| SampledTriangle { corners, normal: normal.into(), is_flat, last })
     }
 
     /// Removes the points of a triangle of the baseline and calls `found` with each triangle over them and its number
     /// of points.
     ///
     /// Each walk counts all points that lie in the triangle at its end, so that few walks are needed.
-    pub fn count(&self, triangle: &mut SampledTriangle, points: &mut Vec<Vec3A>, mut found: impl FnMut(FaceId, u32)) {
+    pub(in crate::transfer) fn count(
+        &self,
+        triangle: &mut SampledTriangle,
+        points: &mut Vec<Vec3A>,
+        mut found: impl FnMut(FaceId, u32),
+    ) {
         while let Some(point) = points.pop() {
             triangle.last = self.walk(triangle, point);
-            let map = &self.maps[triangle.last];
+            let map = &self.tables.maps[triangle.last];
             let mut kept = points.len();
             if map.normal.dot(triangle.normal) > 0.0 {
                 kept = 0;
@@ -122,7 +220,7 @@ impl<'a> Locator<'a> {
 
     /// The triangle of the simulation mesh over the point of a triangle of the baseline with `weights`, and the weights of
     /// its own corners there; none in a region without triangles of the simulation mesh.
-    pub fn place(&self, face: FaceId, weights: Vec3) -> Option<(FaceId, Vec3)> {
+    pub(in crate::transfer) fn place(&self, face: FaceId, weights: Vec3) -> Option<(FaceId, Vec3)> {
         let triangle = self.triangle(face)?;
         let [a, b, c] = triangle.corners;
         let point = a * weights.x + b * weights.y + c * weights.z;
@@ -134,7 +232,7 @@ impl<'a> Locator<'a> {
     fn walk(&self, triangle: &SampledTriangle, point: Vec3A) -> FaceId {
         let (mut face, mut before) = (triangle.last, None);
         for _ in 0..MAX_STEPS {
-            let map = &self.maps[face];
+            let map = &self.tables.maps[face];
             let own = map.weights(point);
             let least = own.min_element();
             let is_facing = map.normal.dot(triangle.normal) > 0.0;
@@ -158,7 +256,7 @@ impl<'a> Locator<'a> {
         let mut least = 0.0;
         for k in 0..3 {
             // A coordinate is negative beyond the side opposite its corner.
-            let across = self.across[CornerId::new(3 * face.index() + (k + 1) % 3)];
+            let across = self.tables.across[CornerId::new(3 * face.index() + (k + 1) % 3)];
             if weights[k] < least && across.is_some() {
                 (next, least) = (across, weights[k]);
             }
@@ -184,7 +282,7 @@ impl<'a> Locator<'a> {
         while let Some(Reverse(nearest)) = queue.pop().filter(|_| reached.len() < MAX_SEARCHED) {
             best = best.min(nearest);
             for k in 0..3 {
-                let across = self.across[CornerId::new(3 * nearest.1.index() + k)];
+                let across = self.tables.across[CornerId::new(3 * nearest.1.index() + k)];
                 if let Some(other) = across.filter(|f| !reached.contains(f)) {
                     reached.push(other);
                     queue.push(Reverse(key(other)));

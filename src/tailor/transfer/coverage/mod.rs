@@ -5,60 +5,12 @@ mod locator;
 mod regions;
 mod samples;
 
-use super::topology::SimTopology;
-use crate::sim::{SimOptions, SimProduct, closest_weights};
-use glam::Vec3;
+use crate::sim::{SimOptions, SimProduct};
 use rayon::prelude::*;
 use samples::{AreaTally, SamplePlan};
 use tailor_mesh::connectivity::{Csr, FaceId, IdVec};
 
-pub(super) use locator::Locator;
-pub(super) use regions::Regions;
-
-/// Finds the triangle of a simulation mesh over a point of its baseline, on the same panel, layer and side.
-pub struct TriangleLocator<'a> {
-    product: &'a SimProduct,
-    mesh: SimTopology,
-    regions: Regions,
-}
-
-impl<'a> TriangleLocator<'a> {
-    /// Places on `product`, whose garment has `source_faces` faces.
-    pub fn new(product: &'a SimProduct, source_faces: usize) -> Self {
-        let (mesh, regions) =
-            rayon::join(|| SimTopology::new(product, source_faces), || Regions::new(&product.baseline));
-        Self { product, mesh, regions }
-    }
-
-    /// Finds a place for each point: the triangle and the weights of its corners. A point is given with faces of the garment
-    /// on or beside which it lies. `None` where the simulation mesh has no triangle in that region.
-    pub fn find<'f>(
-        &self,
-        count: usize,
-        point: impl Fn(usize) -> (Vec3, &'f [FaceId]) + Sync,
-    ) -> Vec<Option<(FaceId, Vec3)>> {
-        let locator = Locator::new(self.product, &self.mesh, &self.regions);
-        let place = |i: usize| {
-            let (point, faces) = point(i);
-            let (face, weights) = self.closest(point, faces)?;
-            locator.place(face, weights)
-        };
-        (0..count).into_par_iter().map(place).collect()
-    }
-
-    /// The closest point of the baseline within some faces of the garment.
-    fn closest(&self, point: Vec3, faces: &[FaceId]) -> Option<(FaceId, Vec3)> {
-        let triangles = faces.iter().flat_map(|&face| self.mesh.source_triangles.row(face));
-        let near = triangles.map(|&triangle| {
-            let [a, b, c] = self.product.baseline.triangle(triangle);
-            let weights = closest_weights(a, b, c, point);
-            let distance = (a * weights.x + b * weights.y + c * weights.z).distance_squared(point);
-            (distance, triangle, weights)
-        });
-        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        Some((nearest.1, nearest.2))
-    }
-}
+pub use locator::{Locator, LocatorTables};
 
 /// Area that one face covers of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,19 +37,12 @@ impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length. The garment has
     /// `source_faces` faces.
     pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
-        let mesh = SimTopology::new(product, source_faces);
-        let regions = Regions::new(&product.baseline);
-        Self::with_locator(product, &mesh, &Locator::new(product, &mesh, &regions), options)
+        Self::with_tables(product, &LocatorTables::new(product, source_faces), options)
     }
 
     /// [`Coverage::new`] with what locates points on the simulation mesh.
-    pub(super) fn with_locator(
-        product: &SimProduct,
-        mesh: &SimTopology,
-        locator: &Locator<'_>,
-        options: &SimOptions,
-    ) -> Self {
-        let base = &product.baseline;
+    pub(super) fn with_tables(product: &SimProduct, tables: &LocatorTables, options: &SimOptions) -> Self {
+        let (base, mesh, locator) = (&product.baseline, &tables.mesh, &Locator::new(product, tables));
         let plan = SamplePlan::new(product, &mesh.source_triangles, options);
         let source_faces = mesh.source_triangles.rows();
         let buffers = || (Vec::new(), AreaTally::new(product.triangles.len()));

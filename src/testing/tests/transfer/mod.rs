@@ -1,6 +1,7 @@
 //! Attributes of the garment on the simulation mesh.
 
 mod edges;
+mod places;
 mod sets;
 mod values;
 mod work;
