@@ -16,10 +16,10 @@ pub fn doubled(surface: &Surface<'_>, thickness: impl Fn(FaceId) -> f32 + Sync) 
         let vertex = VertexId::new(vertex);
         let around: Vec<FaceId> = surface.topology.faces_at(vertex).collect();
         let reach = around.iter().map(|&face| thickness(face)).fold(0.0, f32::max);
-        let touches = |face: FaceId| {
-            let corners = faces.vertices_of(face);
-            around.iter().any(|&near| faces.vertices_of(near).iter().any(|v| corners.contains(v)))
-        };
+        let mut ring: Vec<VertexId> = around.iter().flat_map(|&near| faces.vertices_of(near)).copied().collect();
+        ring.sort_unstable();
+        ring.dedup();
+        let touches = |face: FaceId| faces.vertices_of(face).iter().any(|v| ring.contains(v));
         let near = surface.near(surface.mesh.points[vertex], reach, MOST_NEAR, |face| !touches(face));
         let pairs = near.into_iter().flat_map(|near| around.iter().map(move |&face| [face, near]));
         pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect::<Vec<_>>()

@@ -21,7 +21,7 @@ pub use rest::{Pattern, Rest, RestFigures};
 use crate::codes;
 use std::collections::BTreeMap;
 use surface::Surface;
-use tailor::sim::SimProduct;
+use tailor::pipeline::RemeshResult;
 use tailor_mesh::connectivity::{FaceId, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{Elements, Mesh};
@@ -98,7 +98,7 @@ pub struct ClothFigures {
 }
 
 impl Cloth {
-    /// The cloth of the simulation mesh `mesh`, made from `product` and the garment, whose edges have the length `mean_edge`.
+    /// The cloth of the simulation mesh `mesh`, made of what was remeshed and the garment, whose edges have the length `mean_edge`.
     ///
     /// # Errors
     /// A fabric that is not known; `cloth.rest = panels` where the UV panels are not patterns.
@@ -106,14 +106,14 @@ impl Cloth {
         options: &ClothOptions,
         fabrics: &BTreeMap<String, FabricOptions>,
         garment: &Mesh,
-        product: &SimProduct,
+        RemeshResult { product, tables, .. }: &RemeshResult,
         mesh: &Mesh,
         pattern: Pattern,
         mean_edge: f32,
     ) -> Result<(Self, Warnings), Error> {
         let mut warnings = Warnings::default();
         let (fabrics, fabric_of) = assigned(options, fabrics, mesh)?;
-        let surface = Surface::new(product, mesh);
+        let surface = Surface::new(product, tables.topology(), mesh);
         let meters = garment.units.meters();
         let areas: Vec<f64> = surface.triangles().map(|t| surface::area(t) * meters * meters).collect();
         let fabric = |face: usize| fabrics[fabric_of[face] as usize].fabric;

@@ -19,11 +19,11 @@ use flatten::{Panel, Seam, flatten};
 use glam::{DMat2, DVec2, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 pub use stretch::{CageStretch, Pattern};
 use stretch::{root_mean_square, target_edges};
 use tailor::sim::SimProduct;
-use tailor_mesh::connectivity::{CornerId, FaceId};
+use tailor_mesh::connectivity::{CornerId, FaceId, VertexId};
 use tailor_mesh::error::{Error, Warning};
 use tailor_mesh::garment::{Elements, Mesh};
 
@@ -92,7 +92,7 @@ pub fn rest(
         (_, Some(cage)) => cage,
     };
     let mut shells = Shells::new(product, surface, cage);
-    let free = shells.solved(&BTreeMap::new());
+    let free = shells.solved(None, &BTreeMap::new());
     shells.note_stretch(&free);
     let others = shells.not_patterns();
     if !others.is_empty() && wanted == RestShape::Panels {
@@ -128,9 +128,21 @@ impl Rest {
 
     /// The length of the half-edge at a corner of the simulation mesh.
     fn length(&self, corner: CornerId) -> f64 {
-        let triangle = self.triangles[corner.index() / 3];
-        let [from, to] = [0, 1].map(|k| self.points[triangle[(corner.index() + k) % 3] as usize]);
-        f64::from(from.distance(to))
+        let next = CornerId::new(corner.index() - corner.index() % 3 + (corner.index() + 1) % 3);
+        f64::from(self.point(corner).distance(self.point(next)))
+    }
+
+    /// The triangles of a shell, and their points.
+    fn shell(&self, faces: &[usize]) -> (Vec<[usize; 3]>, Vec<Vec3>) {
+        let of = || faces.iter().flat_map(|&face| self.triangles[face]).map(|v| v as usize);
+        let (first, last) = (of().min().unwrap_or(0), of().max().unwrap_or(0));
+        let triangles = faces.iter().map(|&face| self.triangles[face].map(|v| v as usize - first));
+        (triangles.collect(), self.points[first..=last].to_vec())
+    }
+
+    /// The point at a corner of the simulation mesh.
+    fn point(&self, corner: CornerId) -> Vec3 {
+        self.points[self.triangles[corner.index() / 3][corner.index() % 3] as usize]
     }
 }
 
@@ -212,7 +224,7 @@ impl<'a> Shells<'a> {
     /// The common rest length of the two sides of each seam, by the half-edges of patterns. A shell that rests as modelled
     /// keeps its own. `free` has the panels without common lengths.
     fn seams(&self, free: &Rest) -> BTreeMap<CornerId, f64> {
-        let topology = &self.surface.topology;
+        let topology = self.surface.topology;
         let mut lengths = BTreeMap::new();
         let is_seam = |&[corner, twin]: &[CornerId; 2]| !shares_uvs(self.product, &topology.faces, corner, twin);
         for [corner, twin] in twins(topology).filter(is_seam) {
@@ -259,29 +271,33 @@ impl<'a> Shells<'a> {
     /// The shape at rest. `free` has panels without common lengths along their seams.
     fn at_rest(&self, free: &Rest) -> Rest {
         let seams = self.seams(free);
-        let mut rest = self.solved(&seams);
+        let mut rest = self.solved(Some(free), &seams);
         rest.figures = self.figures(&rest, &seams);
         rest.flat_seams = self.flat_seams(&rest);
         rest
     }
 
     fn flat_seams(&self, rest: &Rest) -> Vec<[FaceId; 2]> {
-        let topology = &self.surface.topology;
+        let topology = self.surface.topology;
         let pairs = twins(topology).map(|pair| pair.map(|corner| topology.faces.face_of(corner)));
         pairs.filter(|[a, b]| rest.is_flat[a.index()] != rest.is_flat[b.index()]).collect()
     }
 
-    fn solved(&self, seams: &BTreeMap<CornerId, f64>) -> Rest {
+    /// All shells at rest. `free` are the panels without common lengths, from which those with some begin.
+    fn solved(&self, free: Option<&Rest>, seams: &BTreeMap<CornerId, f64>) -> Rest {
         let mut faces_of: Vec<Vec<usize>> = vec![Vec::new(); self.stretch.len()];
         self.surface.shells.iter().enumerate().for_each(|(face, &shell)| faces_of[shell as usize].push(face));
         let solved: Vec<(Vec<[usize; 3]>, Vec<Vec3>)> = faces_of
             .par_iter()
             .enumerate()
-            .map(
-                |(shell, faces)| {
-                    if self.is_pattern(shell) { self.panel(shell, faces, seams) } else { self.modelled(faces) }
-                },
-            )
+            .map(|(shell, faces)| {
+                let has_seam = |face: &usize| (0..3).any(|k| seams.contains_key(&CornerId::new(3 * face + k)));
+                match free {
+                    Some(free) if !faces.iter().any(has_seam) => free.shell(faces),
+                    _ if self.is_pattern(shell) => self.panel(shell, faces, free, seams),
+                    _ => self.modelled(faces),
+                }
+            })
             .collect();
         let mut rest = Rest {
             points: Vec::new(),
@@ -299,7 +315,13 @@ impl<'a> Shells<'a> {
     }
 
     /// A flat panel: one point for each vertex and UV.
-    fn panel(&self, shell: usize, faces: &[usize], seams: &BTreeMap<CornerId, f64>) -> (Vec<[usize; 3]>, Vec<Vec3>) {
+    fn panel(
+        &self,
+        shell: usize,
+        faces: &[usize],
+        free: Option<&Rest>,
+        seams: &BTreeMap<CornerId, f64>,
+    ) -> (Vec<[usize; 3]>, Vec<Vec3>) {
         let mut points = Vec::new();
         let mut known = BTreeMap::new();
         let mut triangles = Vec::with_capacity(faces.len());
@@ -309,7 +331,8 @@ impl<'a> Shells<'a> {
                 let uv = self.product.places[corner].uv;
                 let key = (self.surface.mesh.faces.vertex(corner), uv.x.to_bits(), uv.y.to_bits());
                 *known.entry(key).or_insert_with(|| {
-                    points.push(uv.as_dvec2() * self.scale * DVec2::new(self.side[shell], 1.0));
+                    let laid_out = || uv.as_dvec2() * self.scale * DVec2::new(self.side[shell], 1.0);
+                    points.push(free.map_or_else(laid_out, |free| free.point(corner).truncate().as_dvec2()));
                     points.len() - 1
                 })
             }));
@@ -329,10 +352,11 @@ impl<'a> Shells<'a> {
     /// A shell as it is on the mesh.
     fn modelled(&self, faces: &[usize]) -> (Vec<[usize; 3]>, Vec<Vec3>) {
         let mesh = self.surface.mesh;
-        let vertices: BTreeSet<_> =
-            faces.iter().flat_map(|&f| mesh.faces.vertices_of(FaceId::new(f))).copied().collect();
-        let number: BTreeMap<_, usize> = vertices.iter().enumerate().map(|(i, &v)| (v, i)).collect();
-        let of = |&face: &usize| [0, 1, 2].map(|k| number[&mesh.faces.vertices_of(FaceId::new(face))[k]]);
+        let vertices_of = |&face: &usize| mesh.faces.vertices_of(FaceId::new(face));
+        let mut vertices: Vec<VertexId> = faces.iter().flat_map(vertices_of).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let of = |face: &usize| [0, 1, 2].map(|k| vertices.partition_point(|&v| v < vertices_of(face)[k]));
         (faces.iter().map(of).collect(), vertices.iter().map(|&v| mesh.points[v]).collect())
     }
 
