@@ -6,8 +6,10 @@ use crate::fit::PanelRest;
 use crate::recipe::Recipe;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tailor::pipeline::{Clock, SimResult};
+use tailor::pipeline::{Clock, MeshBuilder, RemeshResult, SimResult};
+use tailor::recipe::MeshRecipe;
 use tailor::render::Origins;
+use tailor::transfer::Locator;
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::step::{Same, Step};
@@ -18,22 +20,31 @@ type ClothInput = (Same<SimResult>, (String, bool), ClothOptions, BTreeMap<Strin
 /// The binding of a render mesh to a simulation mesh.
 pub type BindingStep = Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>;
 
-/// The steps of one garment.
+/// The steps from a simulation mesh to its cloth.
 pub struct ClothSteps {
-    pub(super) garment: Arc<Mesh>,
+    garment: Arc<Mesh>,
     mean_edge: f32,
     cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
-    binding: BindingStep,
-    /// The bindings to the simulation meshes of all levels of detail.
-    pub(super) level_bindings: Vec<BindingStep>,
-    cage_binding: Step<Same<SimResult>, Arc<Binding>>,
+}
+
+/// The steps that bind points to simulation meshes of one garment.
+pub struct BindingSteps {
+    garment: Arc<Mesh>,
+    render: BindingStep,
+    /// Those of the render mesh to the simulation meshes of all levels of detail.
+    pub(super) levels: Vec<BindingStep>,
+    cage: Step<Same<SimResult>, Arc<Binding>>,
 }
 
 impl ClothSteps {
     /// The steps of a garment with its mean edge length.
     pub fn new(garment: Arc<Mesh>, mean_edge: f32) -> Self {
-        let (cloth, binding, cage_binding) = Default::default();
-        Self { garment, mean_edge, cloth, binding, level_bindings: Vec::new(), cage_binding }
+        Self { garment, mean_edge, cloth: Step::default() }
+    }
+
+    /// The garment.
+    pub fn garment(&self) -> &Arc<Mesh> {
+        &self.garment
     }
 
     /// The cloth of a resolved recipe, with its warnings; none without physics.
@@ -50,49 +61,54 @@ impl ClothSteps {
         let panels = (recipe.sim.uv_set.clone(), recipe.fit.rest == PanelRest::Pattern);
         let input = (Same::from(simulated), panels, recipe.cloth.clone(), recipe.fabric.clone());
         let cloth = self.cloth.get(input, |(simulated, (uv_set, is_kept), options, fabrics)| {
-            let product = &simulated.remeshed.product;
             let pattern = Pattern { uv_set, is_kept: *is_kept };
-            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, pattern, mean_edge);
+            let cloth =
+                || Cloth::new(options, fabrics, garment, &simulated.remeshed, &simulated.mesh, pattern, mean_edge);
             clock.run("cloth", cloth).map(|(cloth, warnings)| (Arc::new(cloth), warnings))
         })?;
         Ok(Some(cloth))
     }
 
-    /// The binding of a render mesh, whose `origins` are computed if they are needed.
-    pub fn binding(
+    /// An estimate of the memory of the kept results. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes())
+    }
+}
+
+impl BindingSteps {
+    /// The steps of a garment.
+    pub fn new(garment: Arc<Mesh>) -> Self {
+        Self { garment, render: Step::default(), levels: Vec::new(), cage: Step::default() }
+    }
+
+    /// The bindings of a render mesh and of the garment's own points, whose origins `meshes` computes if they are needed.
+    pub fn update(
         &mut self,
         simulated: &Arc<SimResult>,
         render: &Arc<Mesh>,
-        origins: impl FnOnce() -> Result<Origins, Error>,
+        meshes: &mut MeshBuilder,
+        recipe: &MeshRecipe,
         clock: &mut Clock<'_>,
-    ) -> Result<Arc<Binding>, Error> {
+    ) -> Result<[Arc<Binding>; 2], Error> {
+        let of_render = self.render.get((Same::from(simulated), Same::from(render)), |_| {
+            clock.run("binding", || Ok(Arc::new(bound(simulated, render, &meshes.origins(recipe)?))))
+        })?;
         let garment = &self.garment;
-        self.binding.get((Same::from(simulated), Same::from(render)), |(simulated, render)| {
-            clock.run("binding", || Ok(Arc::new(bound(garment, simulated, render, &origins()?))))
-        })
-    }
-
-    /// The binding of the garment's own points, whose `origins` are computed if they are needed.
-    pub fn cage_binding(
-        &mut self,
-        simulated: &Arc<SimResult>,
-        origins: impl FnOnce() -> Result<Origins, Error>,
-    ) -> Result<Arc<Binding>, Error> {
-        let garment = &self.garment;
-        self.cage_binding
-            .get(Same::from(simulated), |simulated| Ok(Arc::new(bound(garment, simulated, garment, &origins()?))))
+        let of_cage = self
+            .cage
+            .get(Same::from(simulated), |_| Ok(Arc::new(bound(simulated, garment, &meshes.cage_origins()?))))?;
+        Ok([of_render, of_cage])
     }
 
     /// An estimate of the memory of the kept results. \[bytes\]
     pub fn bytes(&self) -> usize {
-        let cloth = self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes());
-        let of_levels = self.level_bindings.iter().filter_map(Step::last);
-        let bindings = [self.binding.last(), self.cage_binding.last()];
-        cloth + bindings.into_iter().flatten().chain(of_levels).map(|binding| binding.bytes()).sum::<usize>()
+        let all = [self.render.last(), self.cage.last()].into_iter().flatten();
+        all.chain(self.levels.iter().filter_map(Step::last)).map(|binding| binding.bytes()).sum()
     }
 }
 
-/// The places of the points of a mesh, with these origins, on a simulation mesh of the garment. All are in one frame.
-pub fn bound(garment: &Mesh, simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
-    Binding::new(&simulated.remeshed.product, garment.faces.len(), &simulated.mesh, mesh, origins)
+/// The places of the points of a mesh, with these origins, on a simulation mesh of the same garment. All are in one frame.
+pub fn bound(simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
+    let RemeshResult { product, tables, .. } = &*simulated.remeshed;
+    Binding::new(&Locator::new(product, tables), &simulated.mesh, mesh, origins)
 }

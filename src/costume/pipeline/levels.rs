@@ -44,10 +44,10 @@ impl Builder {
         let render = self.meshes.render(&recipe)?.mesh;
         let progress = self.meshes.progress().clone();
         let mut clock = Clock::new(&progress);
-        let Self { meshes, cloth, .. } = self;
-        cloth.level_bindings.resize_with(sims.len(), Default::default);
+        let Self { meshes, bindings: steps, .. } = self;
+        steps.levels.resize_with(sims.len(), Default::default);
         let mut bindings = Vec::with_capacity(sims.len());
-        for (step, sim) in cloth.level_bindings.iter_mut().zip(sims) {
+        for (step, sim) in steps.levels.iter_mut().zip(sims) {
             if Arc::ptr_eq(sim, &own.simulated) {
                 bindings.push(Arc::clone(&own.binding));
                 continue;
@@ -55,7 +55,7 @@ impl Builder {
             let binding = step.get((Same::from(sim), Same::from(&render)), |_| {
                 clock.run("binding", || {
                     let origins = meshes.origins(&recipe)?;
-                    Ok(Arc::new(bound(&cloth.garment, sim, &render, &origins)))
+                    Ok(Arc::new(bound(sim, &render, &origins)))
                 })
             })?;
             bindings.push(binding);

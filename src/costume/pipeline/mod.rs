@@ -21,7 +21,7 @@ pub use tailor::pipeline::{
 
 use crate::cloth::{Cloth, Rest};
 use crate::recipe::{Recipe, Resolved};
-use cloth::ClothSteps;
+use cloth::{BindingSteps, ClothSteps};
 use std::sync::Arc;
 use tailor::render::operator::Operator;
 use tailor::sets::{DerivedSet, ListedSet};
@@ -59,6 +59,7 @@ pub fn build(mesh: &Garment, recipe: &Recipe) -> Result<Products, Error> {
 pub struct Builder {
     meshes: MeshBuilder,
     cloth: ClothSteps,
+    bindings: BindingSteps,
     /// The cloth in the garment's own space.
     moved_cloth: Step<Same<Cloth>, Arc<Cloth>>,
     /// The builders of the coarser levels of detail.
@@ -76,7 +77,8 @@ impl Builder {
 
     fn of(meshes: MeshBuilder) -> Self {
         let cloth = ClothSteps::new(Arc::clone(meshes.sim_garment()), meshes.mean_edge_length());
-        Self { meshes, cloth, moved_cloth: Step::default(), levels: Vec::new() }
+        let bindings = BindingSteps::new(Arc::clone(meshes.sim_garment()));
+        Self { meshes, cloth, bindings, moved_cloth: Step::default(), levels: Vec::new() }
     }
 
     /// A builder of the same checked mesh, without results and operators of its own.
@@ -193,11 +195,13 @@ impl Builder {
         let Resolved { recipe, meshes: resolved } = resolved;
         let (sim, render) = self.meshes.update_local(&resolved)?;
         let progress = self.meshes.progress().clone();
-        let mut clock = Clock::new(&progress);
-        let cloth = self.cloth_steps().cloth(&recipe, &sim.simulated, &mut clock)?;
-        let origins = || self.meshes.origins(&resolved.recipe);
-        let binding = self.cloth.binding(&sim.simulated, &render.mesh, origins, &mut clock)?;
-        let cage_binding = self.cloth.cage_binding(&sim.simulated, || self.meshes.cage_origins())?;
+        let [mut clock, mut beside] = [Clock::new(&progress), Clock::new(&progress)];
+        self.follow_garment();
+        let Self { meshes, cloth, bindings, .. } = self;
+        let (cloth, [binding, cage_binding]) = progress.join(
+            || cloth.cloth(&recipe, &sim.simulated, &mut clock),
+            || bindings.update(&sim.simulated, &render.mesh, meshes, &resolved.recipe, &mut beside),
+        )?;
         clock.finish()?;
         let (cloth, of_cloth) = cloth.unzip();
         let mut of_steps = of_recipe;
@@ -218,18 +222,18 @@ impl Builder {
             operators: render.operators,
             operator_sets: render.operator_sets,
             warnings,
-            timings: [sim.timings, render.timings, clock.timings].concat(),
+            timings: [sim.timings, render.timings, clock.timings, beside.timings].concat(),
             simulated: sim.simulated,
         })
     }
 
-    /// The steps of cloth, which begin anew where the derived sets of the simulation mesh are new.
-    fn cloth_steps(&mut self) -> &mut ClothSteps {
+    /// The steps of cloth and bindings begin anew where the derived sets of the simulation mesh are new.
+    fn follow_garment(&mut self) {
         let garment = self.meshes.sim_garment();
-        if !Arc::ptr_eq(&self.cloth.garment, garment) {
+        if !Arc::ptr_eq(self.cloth.garment(), garment) {
             self.cloth = ClothSteps::new(Arc::clone(garment), self.meshes.mean_edge_length());
+            self.bindings = BindingSteps::new(Arc::clone(garment));
         }
-        &mut self.cloth
     }
 
     /// A cloth out of the frame of the build.
@@ -267,7 +271,8 @@ impl Builder {
         self.meshes.derive_sim(&meshes.sets.sim);
         let progress = self.meshes.progress().clone();
         let mut clock = Clock::new(&progress);
-        let cloth = self.cloth_steps().cloth(&recipe, &sim.simulated, &mut clock)?;
+        self.follow_garment();
+        let cloth = self.cloth.cloth(&recipe, &sim.simulated, &mut clock)?;
         clock.finish()?;
         Ok(cloth.map(|(cloth, warnings)| ClothUpdate { figures: cloth.figures(&sim.simulated.mesh), warnings }))
     }
@@ -275,6 +280,10 @@ impl Builder {
     /// An estimate of the memory that the kept results hold. \[bytes\]
     pub fn bytes(&self) -> usize {
         let moved = self.moved_cloth.last().map_or(0, |cloth| cloth.bytes());
-        self.meshes.bytes() + self.cloth.bytes() + moved + self.levels.iter().map(Self::bytes).sum::<usize>()
+        self.meshes.bytes()
+            + self.cloth.bytes()
+            + self.bindings.bytes()
+            + moved
+            + self.levels.iter().map(Self::bytes).sum::<usize>()
     }
 }

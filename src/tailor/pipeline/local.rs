@@ -1,7 +1,7 @@
 //! Steps in the frame of a garment, from which both meshes and more are made.
 
 use super::frame::LocalFrame;
-use super::progress::Clock;
+use super::progress::{Clock, Progress};
 use super::sim::SimSteps;
 use super::{MeshBuilder, RenderUpdate, SimUpdate};
 use crate::recipe::{MeshRecipe, RecipeSets, ResolvedMeshes, ResolvedSim};
@@ -27,7 +27,9 @@ impl MeshBuilder {
     /// As [`MeshBuilder::update`].
     pub fn update_local(&mut self, resolved: &ResolvedMeshes) -> Result<(SimUpdate, RenderUpdate), Error> {
         self.derive(&resolved.sets);
-        Ok((self.simulate(&resolved.sim)?, self.render(&resolved.recipe)?))
+        let stack = self.stack(&resolved.recipe)?;
+        let Self { sim, render, progress, max_faces, .. } = self;
+        progress.join(|| simulated(sim, &resolved.sim, *max_faces, progress), || rendered(render, stack, progress))
     }
 
     /// Gives the steps of both products the garment with its derived sets.
@@ -64,12 +66,7 @@ impl MeshBuilder {
 
     /// The simulation mesh of resolved options.
     pub(super) fn simulate(&mut self, sim: &ResolvedSim) -> Result<SimUpdate, Error> {
-        let mut clock = Clock::new(&self.progress);
-        let simulated = self.sim.update(sim, self.max_faces, &mut clock)?;
-        clock.finish()?;
-        let mut warnings = simulated.remeshed.warnings.clone();
-        warnings.extend(simulated.warnings.iter().cloned());
-        Ok(SimUpdate { mesh: Arc::clone(&simulated.mesh), warnings, timings: clock.timings, simulated })
+        simulated(&mut self.sim, sim, self.max_faces, &self.progress)
     }
 
     /// The render mesh of a resolved recipe.
@@ -77,20 +74,8 @@ impl MeshBuilder {
     /// # Errors
     /// As [`MeshBuilder::update`].
     pub fn render(&mut self, recipe: &MeshRecipe) -> Result<RenderUpdate, Error> {
-        let mut clock = Clock::new(&self.progress);
         let stack = self.stack(recipe)?;
-        let made = clock.run("render", || self.render.update(&stack))?;
-        clock.finish()?;
-        let RenderResult { mesh, sources, sets, warnings, seam_level } = made;
-        Ok(RenderUpdate {
-            mesh,
-            sources,
-            operators: stack.names,
-            operator_sets: sets,
-            seam_level,
-            warnings,
-            timings: clock.timings,
-        })
+        rendered(&mut self.render, stack, &self.progress)
     }
 
     /// The origins of the points of the last render mesh, which was made of the same resolved recipe.
@@ -116,4 +101,34 @@ impl MeshBuilder {
         stack.operators.extend(self.own_operators.iter().cloned());
         Ok(stack)
     }
+}
+
+fn simulated(
+    steps: &mut SimSteps,
+    sim: &ResolvedSim,
+    max_faces: usize,
+    progress: &Progress,
+) -> Result<SimUpdate, Error> {
+    let mut clock = Clock::new(progress);
+    let simulated = steps.update(sim, max_faces, &mut clock)?;
+    clock.finish()?;
+    let mut warnings = simulated.remeshed.warnings.clone();
+    warnings.extend(simulated.warnings.iter().cloned());
+    Ok(SimUpdate { mesh: Arc::clone(&simulated.mesh), warnings, timings: clock.timings, simulated })
+}
+
+fn rendered(steps: &mut RenderSteps, stack: Stack, progress: &Progress) -> Result<RenderUpdate, Error> {
+    let mut clock = Clock::new(progress);
+    let made = clock.run("render", || steps.update(&stack))?;
+    clock.finish()?;
+    let RenderResult { mesh, sources, sets, warnings, seam_level } = made;
+    Ok(RenderUpdate {
+        mesh,
+        sources,
+        operators: stack.names,
+        operator_sets: sets,
+        seam_level,
+        warnings,
+        timings: clock.timings,
+    })
 }

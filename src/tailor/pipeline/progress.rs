@@ -28,6 +28,28 @@ impl Progress {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }
 
+    /// Runs two parts of a build beside each other. A cancellation ends both.
+    ///
+    /// # Errors
+    /// Those of the first part, then those of the second.
+    pub fn join<A: Send, B: Send>(
+        &self,
+        first: impl FnOnce() -> Result<A, Error> + Send,
+        second: impl FnOnce() -> Result<B, Error> + Send,
+    ) -> Result<(A, B), Error> {
+        // Whichever part hears of it tells the other.
+        let heard = |error: &Error| {
+            if error.kind == ErrorKind::Cancelled {
+                self.cancel();
+            }
+        };
+        let (first, second) = rayon::join(|| first().inspect_err(heard), || second().inspect_err(heard));
+        if first.is_err() || second.is_err() {
+            self.is_cancelled.store(false, Ordering::Relaxed);
+        }
+        Ok((first?, second?))
+    }
+
     /// Fails, once, if the build was cancelled.
     fn check(&self) -> Result<(), Error> {
         if self.is_cancelled.swap(false, Ordering::Relaxed) {
