@@ -69,7 +69,14 @@ pub struct Summary {
     pub seconds: f64,
 }
 
-/// The products of one garment of an input, with their figures.
+/// The figures of the products of a garment.
+pub struct Figures {
+    pub sim: SimFigures,
+    pub render: RenderFigures,
+    pub cloth: Option<ClothFigures>,
+}
+
+/// The products of one garment of an input.
 pub struct Built {
     /// Path of the garment in messages.
     pub prim: String,
@@ -79,15 +86,27 @@ pub struct Built {
     pub products: Products,
     /// The parts of the render mesh that are written in its place, at each level of detail; none for the whole.
     pub panels: Vec<Vec<RenderPanel>>,
-    pub sim: SimFigures,
-    pub render: RenderFigures,
-    pub cloth: Option<ClothFigures>,
+    /// Their figures, once a summary or a report needs them.
+    pub figures: Option<Figures>,
     /// Files of which the output, a package, has a copy.
     pub packed: Vec<PathBuf>,
     /// The trims that ride on it.
     pub trims: Vec<BoundTrim>,
     pub timings: Vec<Timing>,
     pub warnings: Warnings,
+}
+
+impl Built {
+    /// Measures the products, where a summary or a report tells of them.
+    fn measure(&mut self) {
+        let (products, start) = (&self.products, Instant::now());
+        self.figures = Some(Figures {
+            sim: products.sim_figures(),
+            render: products.render_figures(),
+            cloth: products.cloth_figures(),
+        });
+        self.timings.push(Timing { name: "figures", seconds: start.elapsed().as_secs_f64() });
+    }
 }
 
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
@@ -111,7 +130,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     run_all(
         &tasks,
         jobs,
-        |task| build_one(build, task, &budget, &bar, jobs == 1),
+        |task| build_one(build, task, &budget, &bar, [jobs == 1, tasks.len() == 1]),
         |task, outcome| {
             bar.suspend(|| tell(build, &outcome, (tasks.len() > 1).then_some(&task.input), is_lone));
             bar.inc(1);
@@ -175,7 +194,14 @@ fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool
     }
 }
 
-fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar, is_lone: bool) -> Outcome {
+/// Builds one input, which may be the only one at a time, or the only one at all.
+fn build_one(
+    build: &Build,
+    task: &Task,
+    budget: &Budget,
+    bar: &ProgressBar,
+    [is_lone, is_alone]: [bool; 2],
+) -> Outcome {
     if build.skip_fresh
         && let Some(record) = Request::fresh(build, task)
     {
@@ -186,16 +212,23 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar, is_
     let result = budget.build(is_lone, || built(build, task, budget, bar, &step));
     match result.unwrap_or_else(|PassedLimit| Err(memory::passed(budget.limit(), &step))) {
         Ok(garments) if build.dry_run => planned(task, garments),
-        Ok(garments) => Outcome::Built(Box::new(Summary {
-            text: text::summaries(task, &garments, build.inputs.verbose),
-            report: report::built(task, &garments),
-            faces: [
-                garments.iter().map(|built| built.sim.faces).sum(),
-                garments.iter().map(|built| built.render.faces).sum(),
-            ],
-            warnings: warnings(garments),
-            seconds: start.elapsed().as_secs_f64(),
-        })),
+        Ok(mut garments) => {
+            // One of several inputs is a line of a table.
+            let is_told = !build.inputs.quiet && (is_alone || build.inputs.verbose);
+            if is_told || build.report.is_some() {
+                garments.iter_mut().for_each(Built::measure);
+            }
+            Outcome::Built(Box::new(Summary {
+                text: text::summaries(task, &garments, build.inputs.verbose),
+                report: report::built(task, &garments),
+                faces: [
+                    garments.iter().map(|built| built.products.sim.faces.len()).sum(),
+                    garments.iter().map(|built| built.products.render.faces.len()).sum(),
+                ],
+                warnings: warnings(garments),
+                seconds: start.elapsed().as_secs_f64(),
+            }))
+        }
         Err(error) => Outcome::Failed(error),
     }
 }
@@ -210,9 +243,9 @@ fn warnings(garments: Vec<Built>) -> Warnings {
 /// The outcome of a dry run.
 fn planned(task: &Task, garments: Vec<Built>) -> Outcome {
     let mut text = format!("{} -> {}: would write", task.input.display(), task.output.display());
-    for Built { sim, render, names, variant, .. } in &garments {
+    for Built { products: Products { sim, render, .. }, names, variant, .. } in &garments {
         let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
-        let ([triangles, faces], renders) = ([sim.faces, render.faces], names.render.join(" and "));
+        let ([triangles, faces], renders) = ([sim.faces.len(), render.faces.len()], names.render.join(" and "));
         text += &format!(" {triangles} triangles to {}, {faces} faces to {renders}{within};", names.sim);
     }
     Outcome::Planned { text: text.trim_end_matches(';').to_owned() + "\n", warnings: warnings(garments) }
@@ -311,12 +344,9 @@ fn garment(
         products.render = marked;
     }
     timings.extend(products.timings.iter().cloned());
-    let (sim, render, cloth) = timed("figures", &mut timings, || {
-        Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
-    })?;
     let warnings = levels::warnings(&products);
     let (panels, packed, trims) = (Vec::new(), Vec::new(), Vec::new());
-    Ok(Built { prim, variant: None, names, panels, packed, trims, products, sim, render, cloth, timings, warnings })
+    Ok(Built { prim, variant: None, names, panels, packed, trims, products, figures: None, timings, warnings })
 }
 
 /// Writes the products of all garments, or rehearses it. The last one gets the time of it, and its warnings.

@@ -1,6 +1,6 @@
 //! Writes the JSON report of a build.
 
-use super::build::{Built, Outcome, Task, level_report};
+use super::build::{Built, Figures, Outcome, Task, level_report};
 use super::text::operator_sets;
 use super::usage;
 use serde_json::{Value, json};
@@ -193,13 +193,14 @@ pub fn built(task: &Task, garments: &[Built]) -> Value {
 
 fn garment(task: &Task, built: &Built) -> Value {
     let p = &built.products;
+    let Some(Figures { sim, render, cloth }) = &built.figures else { return Value::Null };
     let mut report = json!({
         "packed": built.packed,
         "recipe": p.recipe,
-        "sim": built.sim,
+        "sim": sim,
         "remesh": p.remesh(),
-        "render": built.render,
-        "cloth": built.cloth,
+        "render": render,
+        "cloth": cloth,
         "operatorFaces": operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
         "stages": built.timings,
         "warnings": built.warnings.iter().map(warning_json).collect::<Vec<_>>(),

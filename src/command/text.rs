@@ -1,6 +1,6 @@
 //! The summary of a build and its warnings as text.
 
-use super::build::{Built, Outcome, Task, level_lines};
+use super::build::{Built, Figures, Outcome, Task, level_lines};
 use clap::builder::styling::AnsiColor;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -186,8 +186,8 @@ pub fn summaries(task: &Task, garments: &[Built], verbose: bool) -> String {
 }
 
 fn summary(built: &Built, verbose: bool) -> String {
-    let products = &built.products;
-    let (s, r, recipe) = (&built.sim, &built.render, &products.recipe);
+    let Some(Figures { sim: s, render: r, cloth: of_cloth }) = &built.figures else { return String::new() };
+    let (products, recipe) = (&built.products, &built.products.recipe);
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();
     // Writing to a string cannot fail.
@@ -240,7 +240,7 @@ fn summary(built: &Built, verbose: bool) -> String {
         let _ = writeln!(t, "          {} operator{s}: {}", operators.len(), operators.join(", "));
     }
     t += &level_lines(built);
-    if let Some(figures) = &built.cloth {
+    if let Some(figures) = of_cloth {
         t += &cloth(figures, s.short_edges.len());
     }
     for trim in &built.trims {

@@ -113,7 +113,7 @@ fn the_report_has_counts_figures_times_and_warnings() {
         report["stages"].as_array().expect("stages").iter().filter_map(|s| s["name"].as_str()).collect();
     assert_eq!(
         names,
-        ["read", "check", "baseline", "remesh", "transfer", "render", "cloth", "binding", "figures", "write"]
+        ["read", "check", "baseline", "remesh", "places", "transfer", "render", "cloth", "binding", "write", "figures"]
     );
     let warnings = report["warnings"].as_array().expect("warnings");
     assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");

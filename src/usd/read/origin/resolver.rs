@@ -63,10 +63,10 @@ fn with_empty_lists(mut bytes: Vec<u8>) -> ar::AssetBuffer {
     if bytes.get(NO_LENGTH..NO_LENGTH + 8) != Some(&[0; 8]) {
         return ar::AssetBuffer::Owned(bytes);
     }
-    let is_empty_list = |at: &[u8]| at[0] == 8 && at[1..14] == [0; 13] && LISTS.contains(&at[14]) && at[15] == ARRAY;
-    for at in 8..bytes.len() - 7 {
-        if is_empty_list(&bytes[at - 8..at + 8]) {
-            bytes[at] = NO_LENGTH as u8;
+    let is_empty_list = |at: &[u8]| at[0] == 8 && at[1..14] == [0; 13] && LISTS.contains(&at[14]);
+    for last in 15..bytes.len() {
+        if bytes[last] == ARRAY && is_empty_list(&bytes[last - 15..last]) {
+            bytes[last - 7] = NO_LENGTH as u8;
         }
     }
     let bytes = ar::AssetBuffer::Owned(bytes).into_shared();
