@@ -163,7 +163,7 @@ def test_what_stays_behind_is_told(usdtailor, sleeve, tmp_path):
 
     paths = sleeve(finish)
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "out.usda")
-    assert "/Coat/button: not carried: it is a Sphere" in done.stderr and "over 3 times: not carried: the fitted points are of one time" in done.stderr and "the model keeps it" not in done.stderr, done.stderr
+    assert "/Coat/button: not carried: it is a Sphere" in done.stderr and "over 3 times: not carried: the fitted points have one time" in done.stderr and "the model keeps it" not in done.stderr, done.stderr
 
 
 def test_a_garment_that_cannot_follow_is_told_in_time(usdtailor, sleeve, tmp_path):
@@ -463,7 +463,7 @@ def test_options_of_a_build_are_refused(usdtailor, sleeve, tmp_path):
     paths, out = sleeve(), tmp_path / "out.usda"
     for option in (["--lods", "3"], ["--physics", "omni"], ["--provenance"]):
         done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, *option, code=2)
-        assert f"{option[0]}: it is of products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
+        assert f"{option[0]}: it sets up products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
 
 
 def test_what_a_fit_leaves_on_the_garment_is_named(usdtailor, sleeve, tmp_path):
