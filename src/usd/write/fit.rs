@@ -42,9 +42,7 @@ fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
     let is_fitted = garment.source.fitted.is_some();
     let Some(Selection { set, choice, .. }) = garment.variant.filter(|_| is_fitted) else { return Ok(()) };
     let model = &garment.source.model.path;
-    let text = format!(
-        "fit.to cannot be combined with variants: its points of {model} would override those of {set}={choice}"
-    );
+    let text = format!("fit.to cannot be combined with variants: its points of {model} would override {set}={choice}");
     let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
     Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
 }

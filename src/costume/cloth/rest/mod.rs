@@ -200,12 +200,11 @@ impl<'a> Shells<'a> {
     }
 
     fn fault(&self, others: &[usize]) -> String {
-        let most = others.iter().map(|&shell| self.stretch[shell]).fold(0.0, f64::max);
+        let most = 100.0 * others.iter().map(|&shell| self.stretch[shell]).fold(0.0, f64::max);
         format!(
-            "{} of {} UV shells do not fit the mesh: its edges differ by up to {:.0} % (RMS), and {:.0} % is the limit",
+            "{} of {} UV shells do not fit the mesh: its edges differ by up to {most:.0} % (RMS), and {:.0} % is the limit",
             others.len(),
             self.stretch.len(),
-            100.0 * most,
             100.0 * PATTERN_STRETCH
         )
     }
