@@ -373,7 +373,7 @@ def test_halves_that_share_their_uvs_stay_on_their_sides(usdtailor, sleeve, tmp_
     shape[0][:, [0, 2]] *= -1
     turned = write_tube(tmp_path / "turned.usda", shape, shared_uvs(30, 37))
     done = fit(usdtailor, paths["sleeve"], "--from", arm, "--to", turned, "-o", tmp_path / "bad.usda", code=1)
-    assert "turned over" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+    assert "would be flipped" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
 
 
 def test_bodies_with_a_part_turned_over_are_told(usdtailor, sleeve, tmp_path):
@@ -388,7 +388,7 @@ def test_bodies_with_a_part_turned_over_are_told(usdtailor, sleeve, tmp_path):
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", folded, "-o", tmp_path / "out.usda", "--report", report)
     (told,) = [warning for warning in json.loads(report.read_text())["garments"][0]["warnings"] if warning["code"] == "bodies-folded"]
     assert told["severity"] == "quality" and "warning[bodies-folded]" in done.stderr
-    share = int(re.search(r"(\d+) % of the second body is turned over", told["message"])[1])
+    share = int(re.search(r"(\d+) % of the second body is flipped", told["message"])[1])
     assert 7 <= share <= 16, told["message"]
 
 
