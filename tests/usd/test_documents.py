@@ -45,6 +45,11 @@ def run_blocks(text, usdtailor, folder):
     return printed
 
 
+def told(text):
+    """The numbers that a text gives as "some 8,700"."""
+    return [int(count.replace(",", "")) for count in re.findall(r"\bsome ([\d,]+)", text)]
+
+
 def triangles(printed):
     return [int(count) for count in re.findall(r"(\d+) triangles$", printed, re.M)]
 
@@ -65,13 +70,13 @@ def test_denser_at_the_elbow(usdtailor, tmp_path):
                           capture_output=True, text=True, check=True)
     [even] = triangles(done.stdout)
     assert dense > 1.1 * even
-    assert f"{dense:,}, and {even:,} without" in text, (dense, even)
+    assert [dense, even] == pytest.approx(told(text), rel=0.05)
 
 
 def test_a_pinned_waist(usdtailor, tmp_path):
     text = section("howto.md", "Pin the waist")
     pinned = re.findall(r"(\d+) pinned vertices", run_blocks(text, usdtailor, tmp_path))
-    assert len(pinned) == 2 and all(re.search(rf"\b{count}\b", text) for count in pinned), pinned
+    assert [int(count) for count in pinned] == pytest.approx(told(text), rel=0.1)
 
 
 def test_without_usd(usdtailor, tmp_path):
