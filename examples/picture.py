@@ -35,9 +35,11 @@ def row(stage, size=(592, 700), view="24,6", note=None, **style):
         if not meshes:
             print(f"no mesh at {root.GetPath()}/{name}", file=sys.stderr)
             continue
-        # Dense wires are drawn lighter.
-        dense = max(len(m.counts) for m in meshes) > 6000
-        wires = {"wire": True, "line": 0.75 if dense else 1.1, "wire_strength": 0.45 if dense else 0.62, "samples": 3}
+        # Dense wires are drawn lighter. Those of a dense render mesh would hide its seams.
+        most = max(len(m.counts) for m in meshes)
+        dense = most > 6000
+        wires = {"wire": name != "render" or most < 12000, "line": 0.75 if dense else 1.1,
+                 "wire_strength": 0.45 if dense else 0.62, "samples": 3}
         image = draw.render(meshes, camera, **{**wires, **style})
         tiles.append((image, f"{COLUMNS[name]}\n{note or ', '.join(map(count, meshes))}"))
     return tiles

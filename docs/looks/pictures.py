@@ -16,6 +16,7 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 
 import cages
 import draw
+import named
 import picture
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -361,7 +362,8 @@ def rows():
 
 # ------------------------------------------------------------------------------- all of them
 
-PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": painted, "docs/physics/panels": panels}
+PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": painted, "docs/physics/panels": panels,
+            "docs/looks/sets_named": named.named_sets}
 SCENES = {"rims_hem_ends": hem_ends, "rims_short_seams": short_seams, "rims_crossings": crossings,
           "rims_bent_faces": bent_faces, "seams_rows": rows, "seams_ends": ends}
 COMPARED = {"folds": folds, "seams_collar": collar, "seams_hem": seams_under_hems, "seams_pocket": pocket, "seams_roof": roof,

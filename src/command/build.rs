@@ -168,7 +168,7 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     }
     if !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
         return Err(usage(format!("-o {}", out.display()), format!("{} inputs need a folder", files.len()))
-            .remedy("name a folder, which is made where it is missing, or build one input at a time"));
+            .remedy("name a folder, which is made if it is missing, or build one input at a time"));
     }
     let mut known = std::collections::HashSet::new();
     let task = |input: PathBuf| {

@@ -209,7 +209,7 @@ fn tasks(command: &Fit) -> Result<Vec<Task>, Error> {
     let is_folder = has_folder(command, all.len());
     if is_folder && !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
         let fault = usage(format!("-o {}", out.display()), format!("{} outputs need a folder", all.len()));
-        return Err(fault.remedy("name a folder, which is made where it is missing, or fit to one body at a time"));
+        return Err(fault.remedy("name a folder, which is made if it is missing, or fit to one body at a time"));
     }
     let mut known = HashSet::new();
     if command.variant_set.is_some() {
@@ -285,7 +285,7 @@ fn fit_all(command: &Fit, tasks: &[Task], set: &str) -> Result<Vec<Vec<Done>>, E
     let first = &tasks[0];
     if tasks.iter().any(|task| task.input != first.input) {
         let fault =
-            usage(format!("--variant-set {set}"), "it is of one garment").code(tailor_mesh::codes::COMMAND_LINE);
+            usage(format!("--variant-set {set}"), "it takes one garment").code(tailor_mesh::codes::COMMAND_LINE);
         return Err(fault.remedy("name one input, or leave it out to write a folder"));
     }
     let (mut all, records): (Vec<_>, Vec<_>) =

@@ -340,7 +340,7 @@ impl Inputs {
         let flags =
             [("--lods", self.lods.is_some()), ("--physics", self.physics.is_some()), ("--provenance", self.provenance)];
         let Some((flag, _)) = flags.into_iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
-        let fault = usage(flag, "it is of products, which this command does not make");
+        let fault = usage(flag, "it sets up products, and this command makes none");
         Err(fault.code(tailor_mesh::codes::COMMAND_LINE).remedy("leave it out, and give it to `usdtailor build`"))
     }
 

@@ -38,7 +38,7 @@ impl SetsCommand {
 /// Lists the sets of a garment, or evaluates and writes some of them.
 pub fn run(command: &SetsCommand) -> Result<Output, Error> {
     let [file] = &command.inputs.files()?[..] else {
-        let fault = usage("sets", "several inputs are given, and sets are of one garment")
+        let fault = usage("sets", "several inputs are given, and this command takes one garment")
             .code(tailor_mesh::codes::COMMAND_LINE);
         return Err(fault.remedy("name one input"));
     };

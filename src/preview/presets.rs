@@ -53,7 +53,7 @@ impl Presets {
             for (name, values) in named.as_object().into_iter().flatten() {
                 let fields = values.as_object().into_iter().flat_map(Map::keys);
                 if let Some(field) = fields.into_iter().find(|field| !is_value(group, field)) {
-                    let text = format!("the preset {name:?} has {field}, which each {kind} has of its own");
+                    let text = format!("the preset {name:?} cannot contain `{field}`: it belongs to one {kind}");
                     return fault(text, &format!("remove {field} from the preset"));
                 }
             }

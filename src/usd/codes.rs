@@ -46,7 +46,7 @@ declare_codes! {
     faults {
         /// The stage does not compose fully.
         COMPOSITION = "composition";
-        /// An option of a payload cannot be one, and is left out.
+        /// A payload sets an invalid option, which is ignored.
         IGNORED_OPTION = "ignored-option";
         /// The points of a cache may be of another space.
         CACHE_SPACE = "cache-space";

@@ -163,7 +163,7 @@ def test_what_stays_behind_is_told(usdtailor, sleeve, tmp_path):
 
     paths = sleeve(finish)
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "out.usda")
-    assert "/Coat/button: not carried: it is a Sphere" in done.stderr and "over 3 times: not carried: the fitted points are of one time" in done.stderr and "the model keeps it" not in done.stderr, done.stderr
+    assert "/Coat/button: not carried: it is a Sphere" in done.stderr and "over 3 times: not carried: the fitted points have one time" in done.stderr and "the model keeps it" not in done.stderr, done.stderr
 
 
 def test_a_garment_that_cannot_follow_is_told_in_time(usdtailor, sleeve, tmp_path):
@@ -373,7 +373,7 @@ def test_halves_that_share_their_uvs_stay_on_their_sides(usdtailor, sleeve, tmp_
     shape[0][:, [0, 2]] *= -1
     turned = write_tube(tmp_path / "turned.usda", shape, shared_uvs(30, 37))
     done = fit(usdtailor, paths["sleeve"], "--from", arm, "--to", turned, "-o", tmp_path / "bad.usda", code=1)
-    assert "turned over" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+    assert "would be flipped" in done.stderr and "turn both bodies the same way" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
 
 
 def test_bodies_with_a_part_turned_over_are_told(usdtailor, sleeve, tmp_path):
@@ -388,7 +388,7 @@ def test_bodies_with_a_part_turned_over_are_told(usdtailor, sleeve, tmp_path):
     done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", folded, "-o", tmp_path / "out.usda", "--report", report)
     (told,) = [warning for warning in json.loads(report.read_text())["garments"][0]["warnings"] if warning["code"] == "bodies-folded"]
     assert told["severity"] == "quality" and "warning[bodies-folded]" in done.stderr
-    share = int(re.search(r"(\d+) % of the second body is turned over", told["message"])[1])
+    share = int(re.search(r"(\d+) % of the second body is flipped", told["message"])[1])
     assert 7 <= share <= 16, told["message"]
 
 
@@ -463,7 +463,7 @@ def test_options_of_a_build_are_refused(usdtailor, sleeve, tmp_path):
     paths, out = sleeve(), tmp_path / "out.usda"
     for option in (["--lods", "3"], ["--physics", "omni"], ["--provenance"]):
         done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, *option, code=2)
-        assert f"{option[0]}: it is of products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
+        assert f"{option[0]}: it sets up products" in done.stderr and "usdtailor build" in done.stderr and not out.exists(), done.stderr
 
 
 def test_what_a_fit_leaves_on_the_garment_is_named(usdtailor, sleeve, tmp_path):

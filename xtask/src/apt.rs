@@ -19,7 +19,7 @@ pub fn install(project: &Project, package: &str) -> Outcome {
         let mut command = project.command("apt-get");
         process::run_quietly(command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive"))
     };
-    eprintln!("installing {package}");
+    eprintln!("installing {package} for the whole system, as --install asks");
     let arguments = ["install", "--yes", "--no-install-recommends", package];
     run(&arguments).or_else(|_| run(&["update"]).and_then(|()| run(&arguments)))
 }

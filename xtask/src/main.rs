@@ -1,10 +1,11 @@
-//! Development tasks, run as `cargo xtask <task>`. The alias `cargo usdtailor` is the task `run`.
+//! Development tasks, run as `cargo xtask <task>`. The alias `cargo usdtailor` is the task `run`, by `start.rs`.
 
 mod api;
 mod apt;
 mod blender;
 mod browser;
 mod cargo;
+mod exec;
 mod garments;
 mod golden;
 mod links;
@@ -44,7 +45,7 @@ Tasks:
   protocol                     Write src/preview/page/src/server/protocol.ts, the messages of the preview that the step
                                `rust` compares
   api                          Write docs/api.txt, the public API that the step `docs` compares
-  options                      Write schemas/ and the tables of docs/recipe.md from the table of options, which the step
+  options                      Write schemas/ and the tables of docs/options.md from the table of options, which the step
                                `options` compares
   speed                        Count the instructions of two builds, which the step `speed` compares
   site                         Check the documents, and draw them as a site in target/site

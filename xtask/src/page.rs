@@ -17,7 +17,11 @@ pub fn ensure(project: &Project) -> Outcome {
     let source = project.root.join(SOURCE);
     let is_there = FILES.iter().all(|name| source.join("dist").join(name).is_file());
     let is_made = is_there && fs::read_to_string(stamp(project)).is_ok_and(|made| made == state(&source));
-    if is_made { Ok(()) } else { build(project) }
+    if is_made {
+        return Ok(());
+    }
+    eprintln!("making the page of the preview, which takes up to a minute");
+    build(project)
 }
 
 /// The file with the state of the files from which the page was bundled.

@@ -3,6 +3,7 @@
 use std::process::Command;
 
 use crate::cargo::{self, Profile};
+use crate::exec;
 use crate::page;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
@@ -19,18 +20,5 @@ pub fn run(project: &Project, args: &[String]) -> Outcome {
     let program = Profile::Release.program(project);
     let mut command = Command::new(&program);
     command.args(args);
-    become_it(&mut command).map_err(|error| Failure::new(format!("cannot start {}: {error}", program.display())))
-}
-
-/// Runs a program in place of this one.
-#[cfg(unix)]
-fn become_it(command: &mut Command) -> std::io::Result<()> {
-    use std::os::unix::process::CommandExt;
-    Err(command.exec())
-}
-
-/// Runs a program, and ends as it does.
-#[cfg(not(unix))]
-fn become_it(command: &mut Command) -> std::io::Result<()> {
-    std::process::exit(command.status()?.code().unwrap_or(1))
+    Err(Failure::new(format!("cannot start {}: {}", program.display(), exec::become_it(&mut command))))
 }

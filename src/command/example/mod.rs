@@ -16,7 +16,7 @@ pub struct Example {
     /// The example to write [default: list all]
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// The folder to write it into, which is made where it is missing
+    /// The folder to write it into, which is made if it is missing
     #[arg(short, long, value_name = "FOLDER", default_value = ".")]
     output: PathBuf,
     /// Overwrite existing files

@@ -38,7 +38,7 @@ options! {
         "warp" warp: String = "v".into(), Domain::Choice { words: &["u", "v"] }, "name of an axis";
 
         /// Shape without strain: panels are the UV shells as flat patterns, mesh is the simulation mesh, auto is panels
-        /// where they are patterns
+        /// if the shells are patterns of the mesh
         "rest" rest: RestShape = RestShape::Auto, Domain::Choice { words: &["auto", "mesh", "panels"] },
             "auto, mesh or panels";
 
@@ -92,10 +92,10 @@ const fn number(most: f32) -> Domain {
 options! {
     /// A fabric in SI units, of some face sets, or of the garment if cloth:fabric names it.
     "fabric" => FabricOptions {
-        /// Face subsets of this mesh that are of this fabric
+        /// Face subsets of this mesh that are made of this fabric
         "faces" faces: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: false }, "names of subsets";
 
-        /// Fabric that gives the values which are 0
+        /// Preset that gives each value that is 0
         "preset" preset: String = "cotton".into(), Domain::Choice { words: FABRICS }, "name of a preset";
 
         /// Thickness; 0 is that of the preset

@@ -84,7 +84,7 @@ impl Bodies {
         bodies.edges = edges(&bodies.triangles).0;
         bodies.folded = bodies.folded_share(&first, places);
         if bodies.folded > MOST_FOLDED {
-            let text = format!("{:.0} % of it would be turned over on {}", 100.0 * bodies.folded, from.prim);
+            let text = format!("{:.0} % of it would be flipped on {}", 100.0 * bodies.folded, from.prim);
             let remedy = "turn both bodies the same way, and give them UVs or pairs that do not swap their sides";
             return Err(Error::new(ErrorKind::Mesh, &to.prim, text).code(codes::BODIES_DIFFER).remedy(remedy));
         }

@@ -203,8 +203,7 @@ fn far_from_body(mesh: &Mesh, start: &OnBody, bodies: &Bodies) -> Option<Warning
 /// The warning of bodies that correspond badly.
 fn folded(mesh: &Mesh, bodies: &Bodies) -> Option<Warning> {
     (bodies.folded > FOLDED).then(|| {
-        let problem =
-            format!("{:.0} % of the second body is turned over where it is on the first", 100.0 * bodies.folded);
+        let problem = format!("{:.0} % of the second body is flipped on the first", 100.0 * bodies.folded);
         Warning::new(codes::BODIES_FOLDED, &mesh.prim, problem)
             .remedy("Mend UVs that overlap, or give more pairs where the bodies differ most")
     })

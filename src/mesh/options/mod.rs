@@ -145,7 +145,7 @@ impl dyn OptionGroup + '_ {
     }
 }
 
-/// Declares a group of options. The documentation of a field is one sentence, which the help, the schema, docs/recipe.md and
+/// Declares a group of options. The documentation of a field is one sentence, which the help, the schema, docs/options.md and
 /// the preview show too; then its key, field, type, default, domain and unit. A field that takes lengths with units names
 /// the function that reads them.
 #[doc(hidden)]

@@ -109,8 +109,7 @@ impl MeshBuilder {
         let mean_edge = check_extent(&garment)?;
         check::drawn(&garment)?;
         if garment.prim.rfind('/') == Some(0) {
-            let problem = "the model is a root prim, and so are the products: a reference to the file's default prim \
-                           leaves them out";
+            let problem = "the products are root prims, as the garment is: a reference to this file misses them";
             warnings
                 .push(Warning::new(codes::ROOT_MESH, &garment.prim, problem).remedy("Put the model below an Xform"));
         }

@@ -197,13 +197,13 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
     faces.sort_unstable();
     faces.dedup();
     let problem = format!(
-        "{} smaller than {} target triangles: seams there are not followed, and UVs are approximate",
+        "{} smaller than {} target triangles: their borders are not kept as edges, and UVs there are approximate",
         counted(shells.count(), "UV shell is", "UV shells are"),
         options.smallest_shell
     );
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
     let warning = Warning::new(codes::SMALL_SHELLS, place, problem).at(Elements::Faces(faces));
-    Some(warning.remedy("Set sim.smallestShell to 0 to follow them all, or lower sim.maxEdgeLength"))
+    Some(warning.remedy("Set sim.smallestShell to 0 to keep all borders, or lower sim.maxEdgeLength"))
 }
 
 /// The warning of details that no surface could take the place of.

@@ -74,8 +74,8 @@ options! {
         /// their edges
         "faces" faces: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: true }, "names of subsets";
 
-        /// Distance between the layers, reduced at tight folds and where other cloth leaves no room on either side, without a
-        /// second layer on faces that other cloth touches; 0 is a tenth of the mesh's mean edge length
+        /// Gap between the layers; it shrinks where space is tight, and faces that touch other cloth get no second layer; 0 is
+        /// a tenth of the mesh's mean edge length
         "thickness" thickness: f32 = 0.0, Domain::length([0.0, 0.4], 0.1),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 

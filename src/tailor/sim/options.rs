@@ -33,8 +33,8 @@ options! {
         /// Target edge length at density 0, at least minEdgeLength; 0 is half of the mesh's mean edge length
         "maxEdgeLength" max_edge_length: f32 = 0.0, TARGET, "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
-        /// Target edge length at density 1, where half the length gives four times the triangles; 0 is half of
-        /// maxEdgeLength, or all of it without a density
+        /// Target edge length at density 1; half the length gives four times the triangles; 0 is half of maxEdgeLength, or
+        /// the same length if no density is painted
         "minEdgeLength" min_edge_length: f32 = 0.0, TARGET, "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
         /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; empty is 0
@@ -58,8 +58,8 @@ options! {
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
 
-        /// Space in which vertices move to the centroids of their triangles: surface, or uv for the panels of uvSet, whose
-        /// distortion the triangles then take over
+        /// Space in which vertices move to the centroids of their triangles: surface, or uv for the panels of uvSet; uv
+        /// gives the triangles the distortion of the panels
         "relax" relax: Relaxation = Relaxation::Surface, Domain::Choice { words: &["surface", "uv"] }, "surface or uv";
 
         /// Texture coordinates, named without `primvars:`, whose shells are the panels of cloth; empty or absent is one
@@ -69,8 +69,8 @@ options! {
         /// Keep the borders of the shells of uvSet as edges of the simulation mesh, as mesh borders always are
         "constrainUvSeams" constrain_uv_seams: bool = true, Domain::Flag, "true or false";
 
-        /// Drop the seams around UV shells smaller than this from the edges of the simulation mesh, where UVs are then
-        /// approximate; 0 keeps the seams of all shells
+        /// Size below which the seams of a UV shell are not kept as edges; UVs there are approximate; 0 keeps the seams of
+        /// all shells
         "smallestShell" smallest_shell: f32 = 4.0,
             Domain::Number { least: 0.0, most: None, or_zero: true, usual: [0.0, 16.0], step: 0.5 },
             "equilateral triangles of target length";
@@ -84,8 +84,8 @@ options! {
         "cornerAngle" corner_angle: f32 = 50.0,
             angle(5.0), "degrees";
 
-        /// Keep edges where the surface turns by more than this within one target length, which are then feature lines;
-        /// smaller angles keep more of them, with fewer even triangles beside them; 180 keeps none
+        /// Keep a line of edges along each turn of the surface by more than this within one target length; smaller angles
+        /// keep more lines, with thinner triangles beside them; 180 keeps none
         "featureAngle" feature_angle: f32 = 90.0,
             angle(30.0), "degrees";
 

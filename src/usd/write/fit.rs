@@ -42,7 +42,7 @@ fn refuse_variant(garment: &GarmentProducts) -> Result<(), Error> {
     let is_fitted = garment.source.fitted.is_some();
     let Some(Selection { set, choice, .. }) = garment.variant.filter(|_| is_fitted) else { return Ok(()) };
     let model = &garment.source.model.path;
-    let text = format!("fit.to moves the points of {model}, and those of the stage are stronger than {set}={choice}");
+    let text = format!("fit.to cannot be combined with variants: its points of {model} would override {set}={choice}");
     let remedy = "write its bodies as variants with `usdtailor fit --variant-set`, and build that, or build each alone";
     Err(Error::usd(text).code(codes::OUTPUT_PATH).remedy(remedy))
 }
@@ -263,6 +263,6 @@ impl Author<'_> {
 fn motion(prim: &Prim, name: &str) -> Result<Option<Warning>, Error> {
     let times = prim.attribute(name).time_sample_times().or_unreadable(prim.path())?.len();
     let place = format!("the motion of {}.{name} over {times} times", prim.path());
-    let warning = || Warning::not_carried(place, "the fitted points are of one time, and hide it");
+    let warning = || Warning::not_carried(place, "the fitted points have one time, and hide it");
     Ok((times > 1).then(warning))
 }

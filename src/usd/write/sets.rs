@@ -177,7 +177,7 @@ fn words_of(text: &str) -> Vec<&str> {
 pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -> Result<(), Error> {
     let model = &source.model;
     if model.is_sewn() {
-        let text = format!("{} is sewn of several meshes, and sets are of one", source.whole());
+        let text = format!("{} is sewn from several meshes, and a set belongs to one", source.whole());
         return Err(Error::usd(text).code(codes::SEVERAL_MESHES).remedy("name one of the meshes by --prim"));
     }
     for set in &sets {

@@ -1,4 +1,4 @@
-//! The tables of docs/recipe.md.
+//! The tables of docs/options.md.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use crate::process::{Failure, Outcome};
 use crate::project::Project;
 
 /// The page with the tables.
-const FILE: &str = "docs/recipe.md";
+const FILE: &str = "docs/options.md";
 
 /// Marks in the page: `<!-- table sim -->`, the table, `<!-- end -->`.
 const OPEN: &str = "<!-- table ";

@@ -1,4 +1,4 @@
-//! What follows from the table of options that `usdtailor options` prints: the schemas, and the tables of docs/recipe.md.
+//! What follows from the table of options that `usdtailor options` prints: the schemas, and the tables of docs/options.md.
 
 mod documents;
 mod schemas;
@@ -76,7 +76,7 @@ fn compare(project: &Project, Generated { path, text }: &Generated) -> Outcome {
     match first_difference(&project.read(path)?, text) {
         None => Ok(()),
         Some(line) => Err(Failure::new(format!("{path}, line {line}: an option has changed"))
-            .hint("run cargo xtask options, and read the notes of docs/recipe.md")),
+            .hint("run cargo xtask options, and read the notes of docs/options.md")),
     }
 }
 

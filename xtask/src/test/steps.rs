@@ -173,7 +173,7 @@ pub const STEPS: [Step; 20] = [
     },
     Step {
         name: "options",
-        about: "the schemas and docs/recipe.md against the program's table of options",
+        about: "the schemas and docs/options.md against the program's table of options",
         needs: &["page", "build", "venv"],
         run: |run| options::check(run.project),
         ..BESIDE

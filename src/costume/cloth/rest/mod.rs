@@ -212,12 +212,12 @@ impl<'a> Shells<'a> {
     }
 
     fn fault(&self, others: &[usize]) -> String {
-        let most = others.iter().map(|&shell| self.stretch[shell]).fold(0.0, f64::max);
+        let most = 100.0 * others.iter().map(|&shell| self.stretch[shell]).fold(0.0, f64::max);
         format!(
-            "{} of {} UV shells are not patterns of the mesh: it is stretched against them by up to {most:.2} (RMS), more \
-             than {PATTERN_STRETCH}",
+            "{} of {} UV shells do not fit the mesh: its edges differ by up to {most:.0} % (RMS), and {:.0} % is the limit",
             others.len(),
-            self.stretch.len()
+            self.stretch.len(),
+            100.0 * PATTERN_STRETCH
         )
     }
 

@@ -25,7 +25,7 @@ options! {
         /// File of the body that the garment was made for
         "from" from: String = String::new(), Domain::File, "path of a file";
 
-        /// File of the body that it is to fit, which corresponds to the first by faces or by UVs; empty fits it to none
+        /// File of the body to fit, with the faces of the first body or a UV set of the same name; empty fits none
         "to" to: String = String::new(), Domain::File, "path of a file";
 
         /// Sets of this mesh whose connected parts move as wholes, such as buttons

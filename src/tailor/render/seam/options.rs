@@ -73,8 +73,8 @@ options! {
         "normalOffset" normal_offset: f32 = 0.0, HEIGHT,
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
-        /// Distribution of the width, from -1 for most of it on the left to 1 for most on the right; the other side keeps
-        /// at least a twentieth
+        /// Share of the width on each side: -1 puts it on the left, 1 on the right, 0 half on each; the narrow side keeps a
+        /// twentieth at least
         "asymmetry" asymmetry: f32 = 0.0,
             Domain::Number { least: -1.0, most: Some(1.0), or_zero: true, usual: [-1.0, 1.0], step: 0.05 }, "-1 to 1";
 
@@ -82,22 +82,22 @@ options! {
         "offset" offset: f32 = 0.0, Domain::length([0.0, 3.0], 0.0),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
-        /// Sides of the edges that have rows: both, left or right; the side with cloth suffices along a border
+        /// Sides of the edges that have rows: both, left or right; a border has rows on the side with cloth
         "side" side: RowSide = RowSide::Both, Domain::Choice { words: &["both", "left", "right"] },
             "both, left or right";
 
-        /// End inside the surface: the height falls to nothing over the width, the profile leads around the end, or the height
-        /// stays up to the end
+        /// End inside the surface: taper lets the height fall to nothing over the width, round leads the profile around the
+        /// end, square keeps the height up to the end
         "end" end: SeamEnd = SeamEnd::Taper, Domain::Choice { words: &["taper", "round", "square"] },
             "taper, round or square";
 
         /// Go through hems and inner layers of folds too, rather than being flat on them
         "through" through: bool = false, Domain::Flag, "true or false";
 
-        /// Number of rows, on each side if there are two sides; a row on the edges is the first one of both sides, and 0 is 1
+        /// Number of rows on each side; a row on the edges counts once, for both sides; 0 is 1
         "rows" rows: u32 = 1, Domain::Whole { most: MOST_ROWS, usual: 3 }, "rows";
 
-        /// Distance between the middles of rows, which are narrower where it is too small; 0 is one and a half widths
+        /// Distance between the middles of rows; rows that do not fit become narrower; 0 is one and a half widths
         "rowGap" row_gap: f32 = 0.0, Domain::length([0.0, 1.0], 0.0),
             "mesh units" via "tailor_mesh::garment::units::deserialize_length";
     }

@@ -247,8 +247,8 @@ impl Rows {
         }
         let missing = at(self.missing(request, ladder, lines));
         if !missing.is_empty() {
-            let edges = counted(missing.len(), "edge lacks", "edges lack");
-            let problem = format!("{edges} a row at its distance: the cloth ends or another seam is there");
+            let edges = counted(missing.len(), "edge", "edges");
+            let problem = format!("no row beside {edges}: the cloth ends, or another seam is in the way");
             let remedy = format!("Change `{label}.offset`, `{label}.rows` or `{label}.side`");
             warnings.push(Warning::new(codes::NARROW_SEAM, &label, problem).at(missing).remedy(remedy));
         }

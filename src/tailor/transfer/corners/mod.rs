@@ -45,8 +45,8 @@ pub(super) fn carry(
 }
 
 fn cut_off_warning(triangles: &[FaceId], primvar: &Primvar, map: &Correspondence<'_>) -> Warning {
-    let triangle_words = counted(triangles.len(), "triangle is", "triangles are");
-    let problem = format!("{triangle_words} cut off from their UV shells, within which they would be flipped");
+    let triangle_words = counted(triangles.len(), "triangle", "triangles");
+    let problem = format!("{triangle_words} would flip in the UV shells, and got UV islands apart from them");
     let faces = triangles.iter().map(|&triangle| map.product.baseline.source_face[map.triangle_under(triangle)]);
     Warning::new(tailor_mesh::codes::NOT_CARRIED, format!("primvars:{}", primvar.name), problem)
         .at(Elements::Faces(faces.collect()))

@@ -27,7 +27,7 @@ pub(super) fn of_small_sets<'a>(garment: &'a Mesh, sets: &[Vec<FaceId>], coverag
 
 /// A warning of a face set that is empty on the simulation mesh.
 pub(super) fn of_lost_set(source: &Subset) -> Warning {
-    let problem = "no face is in it on the simulation mesh: it covers most of no triangle";
+    let problem = "it is empty on the simulation mesh, as it is smaller than each triangle that it touches";
     let warning = of_subset(source, problem.into()).at(source.elements.clone());
     warning.remedy("Lower sim.maxEdgeLength, or name its border in sim.constraints")
 }

@@ -76,7 +76,7 @@ fn none_is_a_garment(file: &FilePath, meshes: &[Path], left_out: &Warnings) -> E
             first.place, first.problem
         )),
         None => fault.remedy(format!(
-            "garments are meshes that are not products, of purpose guide or proxy, or excluded; the meshes are: {}",
+            "products, guides, proxies and excluded prims were skipped; name a mesh by --prim. The meshes are: {}",
             list(meshes)
         )),
     }

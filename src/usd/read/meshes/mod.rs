@@ -126,8 +126,8 @@ fn unsewn_borders(unsewn: &Unsewn, sources: &[Source], tolerance: f64) -> Warnin
     let [a, b] = unsewn.panels.map(|panel| sources[panel].prim());
     let [x, y, z] = unsewn.place;
     let problem = format!(
-        "their borders lie along each other near ({x:.3}, {y:.3}, {z:.3}) and are not sewn there: {} edges of the one and {} of \
-         the other have no counterpart within {tolerance} of the mean edge length",
+        "their borders run side by side near ({x:.3}, {y:.3}, {z:.3}) and are not sewn there: {} edges of the first and {} of \
+         the second do not match within {tolerance} of the mean edge length",
         unsewn.edges[0].len(),
         unsewn.edges[1].len()
     );

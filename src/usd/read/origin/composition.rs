@@ -47,9 +47,9 @@ pub fn check_arcs(file: &str, read: &Arc<ReadFiles>) -> Result<(), Error> {
 }
 
 fn too_many(file: &str, path: &sdf::Path) -> Error {
-    Error::usd(format!("{path} in {file} has more than {MOST_ARCS} references, with those of the prims that it refers to"))
+    Error::usd(format!("{path} in {file} has more than {MOST_ARCS} references, with those of the prims behind them"))
         .code(codes::COMPOSITION_FAILED)
-        .remedy("prims with several references to prims that have several themselves multiply: refer to each prim once, or flatten the file that they lead to")
+        .remedy("nested references multiply the prims: reference each prim once, or flatten the file")
 }
 
 /// A prim of a stack of layers.
