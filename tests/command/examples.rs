@@ -72,7 +72,7 @@ fn the_layer_of_the_documents_gives_an_edge_set() {
     let layer = page.split("```usda\n").nth(1).and_then(|rest| rest.split("```").next()).expect("the layer");
     folder.file("coat_sets.usda", layer);
     folder.good("info coat_sets.usda").prints(&["subset   side_seam of 2 edges, family edges"]);
-    let line = page.lines().find(|line| line.starts_with("Then build the layer: ")).expect("the command");
-    let command = line.split('`').nth(1).and_then(|text| text.strip_prefix("usdtailor ")).expect("a command");
-    folder.good(command).prints(&["1 operator: seam.side"]);
+    let (_, after) = page.split_once("Then build the layer: `usdtailor ").expect("the command");
+    let command = after.split('`').next().expect("its end").replace('\n', " ");
+    folder.good(&command).prints(&["1 operator: seam.side"]);
 }

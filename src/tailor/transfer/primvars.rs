@@ -11,10 +11,8 @@ use tailor_mesh::subdivide::to_unit_length;
 /// The garment's primvars on the simulation mesh in the garment's order, and those of provenance if they are asked for.
 pub(super) fn carry_all(garment: &Mesh, map: &Correspondence<'_>, options: &SimOptions) -> (Vec<Primvar>, Warnings) {
     let carry = |primvar| carry(garment, primvar, map, &options.uv_set);
-    let (mut primvars, alone): (Vec<_>, Vec<_>) =
-        rayon::join(|| vertices::carry_stacked(garment, map), || garment.primvars.par_iter().map(carry).collect());
-    let (carried, warnings): (Vec<_>, Vec<_>) = alone.into_iter().unzip();
-    primvars.extend(carried.into_iter().flatten());
+    let (carried, warnings): (Vec<_>, Vec<_>) = garment.primvars.par_iter().map(carry).unzip();
+    let mut primvars: Vec<Primvar> = carried.into_iter().flatten().collect();
     primvars.extend(vertices::carry_influences(garment, map));
     primvars.iter_mut().for_each(to_unit_length);
     primvars.sort_by_key(|p| garment.primvars.iter().position(|q| q.name == p.name));
@@ -26,7 +24,7 @@ pub(super) fn carry_all(garment: &Mesh, map: &Correspondence<'_>, options: &SimO
     (primvars, warnings.into_iter().flatten().collect())
 }
 
-/// A primvar on the simulation mesh; none of those that are carried together with others.
+/// A primvar on the simulation mesh; none of joint influences, which are carried together.
 fn carry(
     garment: &Mesh,
     primvar: &Primvar,
@@ -43,7 +41,7 @@ fn carry(
             let (carried, warning) = corners::carry(garment, primvar, map, uv_set);
             return (Some(carried), warning);
         }
-        _ if joints::is_influence(garment, primvar) || vertices::stackable(garment, primvar).is_some() => None,
+        _ if joints::is_influence(garment, primvar) => None,
         Interpolation::Vertex | Interpolation::Varying => Some(vertices::carry(garment, primvar, map)),
     };
     (carried, None)

@@ -6,11 +6,8 @@ use crate::sim::{Baseline, BaselinePoint};
 use rayon::prelude::*;
 use tailor_mesh::connectivity::{CornerId, VertexId};
 use tailor_mesh::garment::joints::{self, Influences};
-use tailor_mesh::garment::{Interpolation, Meaning, Mesh, Mixing, Primvar, Values};
+use tailor_mesh::garment::{Mesh, Primvar, Values};
 use tailor_mesh::subdivide::{Real, Stencils, gathered};
-
-/// Largest width of primvars that are stacked: wider ones gain nothing, and take memory.
-const MAX_STACKED: usize = 16;
 
 /// A vertex or varying primvar on the simulation mesh.
 pub(super) fn carry(garment: &Mesh, primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
@@ -46,46 +43,6 @@ fn nearest_rows(garment: &Mesh, map: &Correspondence<'_>) -> Vec<usize> {
         corners.min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a face has corners").index()
     });
     rows.collect()
-}
-
-/// The values of a primvar that is carried by [`carry_stacked`]; none for others.
-pub(super) fn stackable<'a>(garment: &Mesh, primvar: &'a Primvar) -> Option<&'a [f32]> {
-    let Values::F32(values) = &primvar.values else { return None };
-    let is_stackable = matches!(primvar.interpolation, Interpolation::Vertex | Interpolation::Varying)
-        && matches!(primvar.mixing(), Mixing::Linear | Mixing::Direction)
-        && (1..=MAX_STACKED).contains(&primvar.width())
-        && !joints::is_influence(garment, primvar)
-        && !primvar.is_normals();
-    is_stackable.then_some(values)
-}
-
-/// Primvars that are carried as one wide primvar of each interpolation, because they share the weights of subdivision.
-pub(super) fn carry_stacked(garment: &Mesh, map: &Correspondence<'_>) -> Vec<Primvar> {
-    let kinds = [Interpolation::Vertex, Interpolation::Varying].into_par_iter();
-    kinds.flat_map_iter(|kind| carry_stack(garment, kind, map)).collect()
-}
-
-fn carry_stack(garment: &Mesh, kind: Interpolation, map: &Correspondence<'_>) -> Vec<Primvar> {
-    let primvars = garment.primvars.iter().filter(|p| p.interpolation == kind);
-    let primvars: Vec<_> = primvars.filter_map(|p| Some((p, stackable(garment, p)?))).collect();
-    let Some((first, _)) = primvars.first() else { return Vec::new() };
-    let width = primvars.iter().map(|(p, _)| p.width()).sum();
-    let mut rows = Vec::with_capacity(garment.points.len() * width);
-    for vertex in 0..garment.points.len() {
-        for (primvar, values) in &primvars {
-            rows.extend_from_slice(&values[primvar.row(vertex) * primvar.width()..][..primvar.width()]);
-        }
-    }
-    let stack = Primvar { element_size: 1, components: width, meaning: Meaning::Plain, ..first.headed() };
-    let carried = interpolated(&stack, &rows, map);
-    let mut start = 0;
-    let unstacked = |(primvar, _): &(&Primvar, &[f32])| {
-        let range = start..start + primvar.width();
-        start = range.end;
-        let own = carried.chunks_exact(width).flat_map(|row| &row[range.clone()]).copied().collect();
-        Primvar { values: Values::F32(own), ..primvar.headed() }
-    };
-    primvars.iter().map(unstacked).collect()
 }
 
 /// The joint influences of the simulation mesh, merged by joint at each vertex's location.

@@ -82,12 +82,16 @@ fn angle(mesh: &SimMesh<'_>, corner: CornerId) -> f32 {
 }
 
 #[cfg(test)]
-impl SimMesh<'_> {
-    /// The sum over all wedges of their squared valence excess.
-    pub fn irregularity(&self) -> i64 {
-        let excess = ValenceExcess::new(self);
-        let wedges: std::collections::BTreeSet<WedgeId> =
-            self.topology.corners().map(|c| self.corner_wedge[c]).collect();
-        wedges.into_iter().map(|wedge| i64::from(excess.0[wedge]).pow(2)).sum()
+mod tests {
+    use super::*;
+
+    impl SimMesh<'_> {
+        /// The sum over all wedges of their squared valence excess.
+        pub fn irregularity(&self) -> i64 {
+            let excess = ValenceExcess::new(self);
+            let wedges: std::collections::BTreeSet<WedgeId> =
+                self.topology.corners().map(|c| self.corner_wedge[c]).collect();
+            wedges.into_iter().map(|wedge| i64::from(excess.0[wedge]).pow(2)).sum()
+        }
     }
 }

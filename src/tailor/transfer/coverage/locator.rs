@@ -156,9 +156,11 @@ impl<'a> Locator<'a> {
             }
             nearest.map_or(f32::INFINITY, |nearest| nearest.distance_squared)
         };
+        // Most points have one face on all sides.
+        let each = || faces.chunk_by(|a, b| a == b).map(|same| same[0]);
         // The triangles of the box that is nearest are looked at first, and leave few others to look at.
         let (mut first, mut distance) = (None, f32::INFINITY);
-        for &face in faces {
+        for face in each() {
             for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
                 let own = aabb.distance_squared(from);
                 if own < distance || first.is_none() {
@@ -168,7 +170,7 @@ impl<'a> Locator<'a> {
         }
         let first = first?;
         let mut least = look_at(self.tables.run(first));
-        for &face in faces {
+        for face in each() {
             for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
                 if aabb.distance_squared(from) <= least && (face, i) != first {
                     least = look_at(self.tables.run((face, i)));

@@ -87,13 +87,6 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
 }
 
 impl SimMesh<'_> {
-    /// Length of all chains' curves that is off their chords, in target lengths.
-    #[cfg(test)]
-    pub fn length_off_chords(&self) -> f32 {
-        let spans = self.topology.edges().filter_map(|half| Some((half, self.span(half)?.along())));
-        spans.map(|(half, s)| self.error_of_chord(s.chain, [s.from, s.to], self.end_points(half)).length).sum()
-    }
-
     /// The chords at a vertex that slides.
     fn chords(&self, vertex: VertexId) -> Option<Chords> {
         if !matches!(self.constraint[vertex], VertexConstraint::OnCurve(_)) {
@@ -126,5 +119,18 @@ impl SimMesh<'_> {
             sum.farthest = sum.farthest.max(off);
         }
         sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl SimMesh<'_> {
+        /// Length of all chains' curves that is off their chords, in target lengths.
+        pub fn length_off_chords(&self) -> f32 {
+            let spans = self.topology.edges().filter_map(|half| Some((half, self.span(half)?.along())));
+            spans.map(|(half, s)| self.error_of_chord(s.chain, [s.from, s.to], self.end_points(half)).length).sum()
+        }
     }
 }
