@@ -346,7 +346,7 @@ mod tests {
         };
         assert_eq!(told(0.0), None);
         assert!(
-            told(4.0).is_some_and(|problem| problem.starts_with("144 of its 288 points are 2.")),
+            told(4.0).is_some_and(|problem| problem.starts_with("144 of its 288 points are 3.")),
             "{:?}",
             told(4.0)
         );
