@@ -62,7 +62,7 @@ declare_codes! {
     notes {
         /// Products keep what the selected variant has.
         FROZEN_VARIANT = "frozen-variant";
-        /// A layer was read by OpenUSD.
+        /// A layer was read by OpenUSD, or a stage flattened by it.
         CONVERTED_LAYER = "converted-layer";
         /// A mesh lies on another and is not attached to it.
         UNATTACHED = "unattached";

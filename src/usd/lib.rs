@@ -23,9 +23,9 @@ pub use body::{body_of, stage_to_garment};
 pub use build_record::{BuildRecord, Stale, warning_json};
 pub use read::Look;
 pub use read::{
-    Converter, Facts, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection,
-    Source, TailorPayloads, TransformOp, VariantSet, first_used, product_names, set_converter, tailor_payloads,
-    variants_of,
+    Converter, Facts, Foreign, InheritedPrimvar, LodSchema, MaterialBinding, PanelSeam, ProductNames, ReadOptions,
+    Rewritten, Selection, Source, TailorPayloads, TransformOp, VariantSet, first_used, product_names, set_converter,
+    tailor_payloads, variants_of,
 };
 pub use shot::{CacheFile, CacheSpace, Playback};
 pub use shot::{DriveOptions, Driven, drive};

@@ -10,8 +10,8 @@ import pytest
 from conftest import run
 from fitting import tube, write_tube
 from pxr import Sdf, Usd, UsdGeom, UsdShade
-from runs import good, refused, sim_points
-from sources import write
+from runs import good, mounted, refused, sim_points
+from sources import add_subset, write
 
 # OpenUSD takes any number for true or false, and the library takes 0 and 1.
 NUMBER = "doubleSided = 2"
@@ -183,3 +183,91 @@ def test_bodies_are_read_so(usdtailor, openusd, tmp_path):
     assert done.returncode == 0 and f"{thick}: read by OpenUSD" in done.stderr, done.stderr
     built = good(usdtailor, "build", sleeve, "--set", f"fit.from={arm}", "--set", f"fit.to={thick}", "-o", tmp_path / "built.usda")
     assert f"{thick}: read by OpenUSD" in built.stderr
+
+
+EDITED = '''
+over "Coat"
+{
+    over "model"
+    {
+        over "half"
+        {
+            int[] indices = edit [append 5]
+        }
+    }
+}
+'''
+
+
+def edited(path, half=(0, 1)):
+    """A garment below a layer that edits the faces of a subset: only OpenUSD has such values."""
+    base, text = write(path.with_name("base.usda"), finish=lambda mesh: add_subset(mesh, name="half", indices=list(half))), EDITED
+    path.write_text(f'#usda 1.0\n(\n    defaultPrim = "Coat"\n    subLayers = [@./{base.name}@]\n)\n{text}')
+    return path, base
+
+
+def half_of(path, prim="/Coat/model"):
+    stage = Usd.Stage.Open(str(path))
+    return list(UsdGeom.Subset(stage.GetPrimAtPath(f"{prim}/half")).GetIndicesAttr().Get())
+
+
+def test_a_stage_with_edits_of_arrays_is_flattened(usdtailor, openusd, tmp_path):
+    source, base = edited(tmp_path / "coat.usda")
+    before, out, plain = source.read_bytes(), tmp_path / "out.usda", tmp_path / "plain.usda"
+    done = good(usdtailor, "build", source, "-o", out)
+    assert done.stderr.count("converted-layer") == 1 and f"{source}: flattened by OpenUSD" in done.stderr
+    # Outputs are over the file itself.
+    assert Sdf.Layer.FindOrOpen(str(out)).subLayerPaths == ["./coat.usda"] and source.read_bytes() == before
+    assert half_of(out) == [0, 1, 5]
+    # The products equal those of the same garment without edits.
+    write(plain, finish=lambda mesh: add_subset(mesh, name="half", indices=[0, 1, 5]))
+    good(usdtailor, "build", plain, "-o", tmp_path / "plain_out.usda")
+    for name in ("sim", "render"):
+        assert half_of(out, f"/Coat/{name}") == half_of(tmp_path / "plain_out.usda", f"/Coat/{name}")
+        assert np.array_equal(points(out, f"/Coat/{name}"), points(tmp_path / "plain_out.usda", f"/Coat/{name}"))
+    # A layer below the file counts for what is stale.
+    assert "stale" not in good(usdtailor, "check", out).stderr
+    base.write_text(base.read_text() + "\n# more\n")
+    refused(usdtailor, "check", out, says=["stale-output", "base.usda has changed"])
+    refused(usdtailor, "info", source, "--no-fallback", says=["error[not-supported]", "usdcat --flatten"])
+
+
+def test_a_stage_with_variants_or_faults_is_not_flattened(usdtailor, openusd, tmp_path):
+    """Variants that are not selected, and the warning of a fault, would be lost."""
+    source, base = edited(tmp_path / "coat.usda")
+    whole = base.read_text()
+    stage = Usd.Stage.Open(str(base))
+    sizes = stage.GetPrimAtPath("/Coat").GetVariantSets().AddVariantSet("size")
+    for name in ("s", "l"):
+        sizes.AddVariant(name)
+    stage.GetRootLayer().Save()
+    refused(usdtailor, "info", source, says=["error[not-supported]"])
+    base.write_text(whole)
+    good(usdtailor, "info", source)
+    source.write_text(source.read_text().replace("@./base.usda@", "@./base.usda@, @./missing.usda@"))
+    refused(usdtailor, "info", source, says=["error[not-supported]"])
+
+
+def test_a_package_with_nothing_but_a_package_is_flattened(usdtailor, openusd, tmp_path):
+    inner, outer, out = tmp_path / "inner.usdz", tmp_path / "outer.usdz", tmp_path / "out.usda"
+    garment = write(tmp_path / "coat.usda")
+    for package, file in ((inner, garment), (outer, inner)):
+        with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+            writer.AddFile(str(file), file.name)
+    assert f"{outer}: flattened by OpenUSD" in good(usdtailor, "build", outer, "-o", out).stderr
+    good(usdtailor, "build", garment, "-o", tmp_path / "plain.usda")
+    assert Sdf.Layer.FindOrOpen(str(out)).subLayerPaths == ["./outer.usdz"]
+    assert np.array_equal(points(out, "/Coat/render"), points(tmp_path / "plain.usda", "/Coat/render"))
+    assert "stale" not in good(usdtailor, "check", out).stderr
+    refused(usdtailor, "info", outer, "--no-fallback", says=["error[damaged-file]"])
+
+
+def test_a_stage_of_too_many_arcs_is_flattened(usdtailor, openusd, tmp_path):
+    write(tmp_path / "part.usda")
+    names = [f"P{i}" for i in range(2001)]
+    arcs = ", ".join(["@./part.usda@</Coat>", *(f"</{name}>" for name in names)])
+    prims = "\n".join(f'def Xform "{name}"\n{{\n}}' for name in names)
+    source = mounted(tmp_path / "coat.usda", f'def Xform "Coat" (\n    references = [{arcs}]\n)\n{{\n}}\n{prims}')
+    refused(usdtailor, "info", source, "--no-fallback", says=["error[composition-failed]", "/Coat", "more than 2000 references"])
+    assert f"{source}: flattened by OpenUSD" in good(usdtailor, "build", source, "-o", tmp_path / "out.usda").stderr
+    assert len(points(tmp_path / "out.usda", "/Coat/sim"))

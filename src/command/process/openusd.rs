@@ -1,47 +1,91 @@
-//! OpenUSD beside this program, for layers that only it reads: its Python, or `usdcat`. No other program is started.
+//! OpenUSD beside this program, for what only it reads: its Python, or `usdcat`. No other program is started.
 
-use std::ffi::OsString;
-use std::path::Path;
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use tailor_usd::temporary_folder;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+use tailor_usd::{Foreign, Rewritten, temporary_folder};
 
 /// The Python that runs this program, which its package names. If it is empty, no OpenUSD is started.
 const PYTHON: &str = "USDTAILOR_PYTHON";
 
-/// Writes the layer of the first argument to the file of the second one, and prints the version. Modules in the current folder are
-/// not imported.
-const SCRIPT: &str = "
-import sys
-sys.path = [path for path in sys.path if path]
-from pxr import Sdf, Usd
-written = Sdf.Layer.FindOrOpen(sys.argv[1]).Export(sys.argv[2])
-print('OpenUSD', '.'.join(str(part) for part in Usd.GetVersion()[1:]))
-sys.exit(not written)
-";
+/// The time that a program may take for one layer or stage.
+const LIMIT: Duration = Duration::from_secs(120);
 
-/// A layer as a crate, and the program that wrote it; none where no program can.
-pub fn converted(layer: &str) -> Option<(Vec<u8>, String)> {
-    let folder = temporary_folder().ok()?;
-    let file = folder.path().join("layer.usdc");
-    let read = |words: String| std::fs::read(&file).ok().map(|content| (content, words));
+/// The script of both kinds. Modules in the current folder are not imported.
+const SCRIPT: &str = include_str!("openusd.py");
+
+/// A layer or a stage as a crate, and the program that wrote it; none where no program can. `usdcat` tells no files of a stage, so that
+/// it writes layers alone.
+///
+/// # Errors
+/// A program that took too long.
+pub fn converted(Foreign { path, is_stage }: Foreign<'_>) -> Result<Option<Rewritten>, String> {
     let own = std::env::var_os(PYTHON);
-    if own.as_ref().is_some_and(|own| own.is_empty()) {
-        return None;
-    }
-    let pythons = own.into_iter().chain(["python3", "python"].map(OsString::from));
-    let by_python = |python: OsString| {
-        let mut command = Command::new(&python);
-        let words = printed(command.args(["-c", SCRIPT, layer]).arg(&file))?;
-        read(format!("{} ({})", words.trim(), Path::new(&python).file_name()?.display()))
+    let Some(folder) = temporary_folder().ok().filter(|_| own.as_ref().is_none_or(|own| !own.is_empty())) else {
+        return Ok(None);
     };
-    pythons.into_iter().find_map(by_python).or_else(|| {
-        printed(Command::new("usdcat").args([layer, "-o"]).arg(&file))?;
-        read("usdcat".to_owned())
-    })
+    let file = folder.path().join("layer.usdc");
+    let kind = if is_stage { "stage" } else { "layer" };
+    let script: [&OsStr; 5] = ["-c".as_ref(), SCRIPT.as_ref(), path.as_ref(), file.as_ref(), kind.as_ref()];
+    let pythons = own.into_iter().chain(["python3", "python"].map(OsString::from));
+    let usdcat = || ("usdcat".into(), vec![path.as_ref(), "-o".as_ref(), file.as_ref()]);
+    for (program, args) in pythons.map(|python| (python, script.to_vec())).chain((!is_stage).then(usdcat)) {
+        let name = Path::new(&program).file_name().unwrap_or_default().display().to_string();
+        let words = output(Command::new(&program).args(args), folder.path(), LIMIT).map_err(|limit| {
+            format!("OpenUSD ({name}) was ended, as it took over {} seconds for {path}", limit.as_secs())
+        })?;
+        let Some((words, content)) = words.and_then(|words| Some((words, fs::read(&file).ok()?))) else { continue };
+        let mut lines = words.lines();
+        let version = lines.next().filter(|line| line.starts_with("OpenUSD"));
+        let program = version.map_or(name.clone(), |version| format!("{version} ({name})"));
+        return Ok(Some(Rewritten { content: content.into(), program, files: lines.map(PathBuf::from).collect() }));
+    }
+    Ok(None)
 }
 
-/// The output of a program; none where it fails.
-fn printed(command: &mut Command) -> Option<String> {
-    let done = command.stdin(Stdio::null()).stderr(Stdio::null()).output().ok()?;
-    done.status.success().then(|| String::from_utf8_lossy(&done.stdout).into_owned())
+/// The output of a program, by way of a file in `folder`; none where it fails.
+///
+/// # Errors
+/// The limit, if the program has not ended by then. It is killed.
+fn output(command: &mut Command, folder: &Path, limit: Duration) -> Result<Option<String>, Duration> {
+    let (file, started) = (folder.join("output"), Instant::now());
+    let begun = File::create(&file)
+        .and_then(|output| command.stdin(Stdio::null()).stdout(output).stderr(Stdio::null()).spawn());
+    let Ok(mut child) = begun else { return Ok(None) };
+    loop {
+        match child.try_wait() {
+            Ok(None) if started.elapsed() < limit => sleep(Duration::from_millis(10)),
+            Ok(Some(status)) => return Ok(fs::read_to_string(&file).ok().filter(|_| status.success())),
+            _ => break,
+        }
+    }
+    // One that has ended in the meantime needs no end.
+    let _ = child.kill();
+    let _ = child.wait();
+    Err(limit)
+}
+
+#[cfg(unix)]
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_that_does_not_end_is_killed() {
+        let folder = temporary_folder().expect("a folder");
+        let (mark, started) = (folder.path().join("mark"), Instant::now());
+        let run = |script: String| {
+            output(Command::new("sh").args(["-c", &script]), folder.path(), Duration::from_millis(300))
+        };
+        let ended = run(format!("for i in 1 2 3 4 5 6 7 8 9 10; do sleep 0.1; done; touch {}", mark.display()));
+        assert_eq!(ended, Err(Duration::from_millis(300)));
+        assert!(started.elapsed() < Duration::from_millis(900));
+        sleep(Duration::from_secs(1));
+        assert!(!mark.exists(), "it is dead");
+        assert_eq!(run("echo words".to_owned()), Ok(Some("words\n".to_owned())));
+        assert_eq!(run("exit 3".to_owned()), Ok(None));
+    }
 }

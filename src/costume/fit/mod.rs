@@ -29,6 +29,7 @@ use cage::Cage;
 use crossings::{CrossingFaces, Crossings};
 use glam::{DVec3, Vec3};
 use path::Path;
+use std::iter::once;
 use tailor::contact::WorkLimit;
 use tailor_mesh::connectivity::{Elements, FaceId, VertexId};
 use tailor_mesh::error::{Error, ErrorKind, Warning, Warnings, counted};
@@ -41,6 +42,10 @@ const MOST_DISTANCE: f64 = 0.25;
 /// size. Clothes are at 0.007 and 0.014.
 const MOST_OF_QUARTER: f64 = 0.018;
 const MOST_ON_AVERAGE: f64 = 0.035;
+/// Share of the points from which a connected part counts alone, and how many times as far from the body it may be: a wide layer may
+/// hang from another one.
+const LARGE_PART: f64 = 0.25;
+const PART_TIMES: f64 = 2.0;
 
 /// Share of a body's area that is turned over on the other one from which a warning tells it.
 const FOLDED: f64 = 0.02;
@@ -128,7 +133,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     let first = bodies.first();
     let start = on_body(rest.clone(), first, &first.from);
     check_crowd(mesh, &start.work)?;
-    let mut warnings: Warnings = far_from_body(mesh, &start, bodies).into_iter().collect();
+    let mut warnings: Warnings = far_from_body(mesh, &cage, &start, bodies).into_iter().collect();
     warnings.extend(folded(mesh, bodies));
     let below = bodies.below(&cage, &rest, &start.crossings);
     let mut path = Path::new(&cage, &rest, &below, options);
@@ -178,17 +183,24 @@ fn check_crowd(mesh: &Mesh, search: &WorkLimit) -> Result<(), Error> {
     Err(Error::new(ErrorKind::Mesh, &mesh.prim, text).code(tailor::codes::TOO_LARGE).remedy(remedy))
 }
 
-/// The warning of a garment that is not on the body that it is said to be made for.
-fn far_from_body(mesh: &Mesh, start: &OnBody, bodies: &Bodies) -> Option<Warning> {
-    let (size, count) = (bodies.size(), mesh.points.len().max(1) as f64);
-    let mut distances: Vec<f64> = start.bound.distances().collect();
-    distances.sort_unstable_by(f64::total_cmp);
-    let (mean, quarter) =
-        (distances.iter().sum::<f64>() / count, distances.get(distances.len() / 4).copied().unwrap_or(0.0));
+/// The warning of a garment that is not on the body that it is said to be made for, or of a large part of it: where shoes are beside the
+/// feet, one may be on the other foot.
+fn far_from_body(mesh: &Mesh, cage: &Cage, start: &OnBody, bodies: &Bodies) -> Option<Warning> {
+    let (size, distances) = (bodies.size(), start.bound.distances().collect::<Vec<f64>>());
+    let count = distances.len().max(1) as f64;
     let inside = start.bound.heights().filter(|height| *height < 0.0).count() as f64 / count;
-    let is_loose = quarter > MOST_OF_QUARTER * size && mean > MOST_ON_AVERAGE * size;
-    let problem = if mean > MOST_DISTANCE * size || is_loose {
-        format!("it is {mean:.3} away from the body on average, whose size is {size:.3}")
+    let is_large = |part: &Vec<usize>| part.len() as f64 > LARGE_PART * count;
+    let parts =
+        cage.parts_of(&vec![true; cage.edges.len()]).into_iter().filter(is_large).map(|part| (part, PART_TIMES));
+    let far = |(part, times): (Vec<usize>, f64)| {
+        let mut of: Vec<f64> = part.iter().map(|v| distances[*v] / (times * size)).collect();
+        of.sort_unstable_by(f64::total_cmp);
+        let (mean, quarter) = (of.iter().sum::<f64>() / of.len().max(1) as f64, *of.get(of.len() / 4)?);
+        let is_far = mean > MOST_DISTANCE || quarter > MOST_OF_QUARTER && mean > MOST_ON_AVERAGE;
+        is_far.then_some((of.len(), mean * times * size))
+    };
+    let problem = if let Some((points, mean)) = once(((0..distances.len()).collect(), 1.0)).chain(parts).find_map(far) {
+        format!("{points} of its {count} points are {mean:.3} away from the body on average, whose size is {size:.3}")
     } else if inside > MOST_INSIDE {
         format!("{:.0} % of its points are inside the body", 100.0 * inside)
     } else {
@@ -310,6 +322,34 @@ mod tests {
         };
         let (up, out) = (range(&|p| p.y), range(&|p| Vec3::new(p.x, 0.0, p.z).length()));
         assert!(up < 0.3 && out < 0.3, "the hem is {up} uneven up and {out} around");
+    }
+
+    #[test]
+    fn a_part_that_is_beside_its_body_is_told() {
+        // Legs, and stockings that are moved by their distance: one of them is on the other leg.
+        let pair = |rows: usize, radius: f32, along: f32| {
+            let one = rings(rows, |row| [0.4 * row as f32, radius], |_, _| 1.0);
+            let points = [0.0, 4.0].map(|x| one.points.iter().map(move |p| *p + (x + along) * Vec3::X));
+            let corners: Vec<usize> =
+                one.faces.ids().flat_map(|face| one.faces.vertices_of(face).to_vec()).map(|v| v.index()).collect();
+            let both = [0, one.points.len()].map(|from| corners.iter().map(move |v| VertexId::new(v + from)));
+            let faces = Faces::quads(both.into_iter().flatten().collect::<Vec<_>>());
+            Mesh { points: points.into_iter().flatten().collect(), faces, ..Mesh::default() }
+        };
+        let legs = pair(20, 1.0, 0.0);
+        let bodies = Bodies::new(&legs, &legs).expect("the same faces");
+        let told = |along: f32| {
+            let garment = pair(6, 1.1, along);
+            let (cage, rest) = (Cage::new(&garment), garment.points.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>());
+            let start = OnBody::new(&cage, &cage.mean_edges(&rest), rest.clone(), &bodies, &bodies.from);
+            far_from_body(&garment, &cage, &start, &bodies).map(|warning| warning.problem)
+        };
+        assert_eq!(told(0.0), None);
+        assert!(
+            told(4.0).is_some_and(|problem| problem.starts_with("144 of its 288 points are 3.")),
+            "{:?}",
+            told(4.0)
+        );
     }
 
     #[test]

@@ -28,7 +28,7 @@ pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
 pub use looks::Look;
 pub use meshes::{LodSchema, ProductNames, is_other, level_name, product_names};
 pub use model::{COMPOSITION, Model, Sewing, SubsetRecord, layer_files, stage_metadata};
-pub use origin::{Converter, Files, StageOrigin, first_used, set_converter};
+pub use origin::{Converter, Files, Foreign, Rewritten, StageOrigin, first_used, set_converter};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value, vectors, with_ancestors};
 pub use shapes::BlendShape;
 pub use source::{FittedPoints, PanelSeam, ReadOptions, Source, composition, variants_of};

@@ -2,7 +2,7 @@
 
 use super::bindings::{follow_variants, resolve_collections};
 use super::choose::{instancer_of, purpose_of, without_purpose};
-use super::origin::{StageOrigin, first_used, package_file};
+use super::origin::{ReadFiles, StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_name, property_names, subset_prims};
 use super::space::{Transforms, transforms};
@@ -173,8 +173,8 @@ impl Model {
             subsets: BTreeMap::new(),
             staying: Vec::new(),
             siblings: Arc::default(),
+            layers: layer_files(prim.stage(), &origin.read),
             origin,
-            layers: layer_files(prim.stage()),
             transforms: transforms(prim, time)?,
             stage_metadata: stage_metadata(prim.stage())?,
         };
@@ -284,8 +284,8 @@ fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
     Ok(SubsetRecord { metadata: fields, applied, carried })
 }
 
-/// The files of all layers that composition has loaded, with the package for layers inside one.
-pub fn layer_files(stage: &Stage) -> Vec<PathBuf> {
+/// The files of all layers that composition has loaded, with the package for layers inside one, and those of a stage that was flattened.
+pub fn layer_files(stage: &Stage, read: &ReadFiles) -> Vec<PathBuf> {
     let mut files: Vec<_> = stage
         .layer_identifiers()
         .iter()
@@ -295,6 +295,7 @@ pub fn layer_files(stage: &Stage) -> Vec<PathBuf> {
             let file = file.unwrap_or_else(|| id.clone());
             package_file(Path::new(&file))
         })
+        .chain(read.flattened_files())
         .collect();
     files.sort();
     files.dedup();

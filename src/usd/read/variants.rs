@@ -9,6 +9,7 @@ use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fmt::Display;
 use tailor_mesh::error::{Error, Warning, Warnings, names as listed};
 
 /// A variant of a variant set.
@@ -249,10 +250,9 @@ pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> 
 /// A path that is not a prim.
 pub fn session_layer(selections: &[Selection]) -> Result<String, Error> {
     let fault =
-        |e: openusd::Error| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::COMPOSITION_FAILED);
+        |e: &dyn Display| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::COMPOSITION_FAILED);
     let mut data = Data::new();
     data.create_spec(sdf::Path::abs_root(), SpecType::PseudoRoot);
-    select(&mut data, selections).map_err(fault)?;
-    TextWriter::write_to_string(&data)
-        .map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")).code(codes::COMPOSITION_FAILED))
+    select(&mut data, selections).map_err(|e| fault(&e))?;
+    TextWriter::write_to_string(&data).map_err(|e| fault(&e))
 }

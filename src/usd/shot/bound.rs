@@ -148,7 +148,7 @@ impl Bound {
         let metrics = StageMetrics::of(&metadata);
         let counts = std::iter::repeat_n(3, triangles.len());
         let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
-        let (layers, mut notes) = (layer_files(&stage), chosen.origin.read.notes());
+        let (layers, mut notes) = (layer_files(&stage, &chosen.origin.read), chosen.origin.read.notes());
         notes.extend(composition(&stage, &options.render).iter().cloned());
         Ok((Self { sim, frames, meshes, metadata, layers, notes }, motions))
     }

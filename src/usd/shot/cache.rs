@@ -393,10 +393,10 @@ fn check_faces(corners: Option<Value>, prim: &Path, file: &FilePath, mesh: &Mesh
         return Ok(());
     }
     let text = match corners.len() == mesh.corners.len() {
-        true => "has its faces in another order".to_owned(),
-        false => format!("has {} corners of faces instead of {}", corners.len(), mesh.corners.len()),
+        true => format!("has its faces in another order than {}", mesh.path),
+        false => format!("has {} corners of faces, and {} has {}", corners.len(), mesh.path, mesh.corners.len()),
     };
-    Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", mesh.path))
+    Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text}"))
         .code(codes::CACHE_MISMATCH)
         .remedy("cache the mesh as it was written"))
 }

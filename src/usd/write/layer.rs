@@ -218,7 +218,7 @@ fn base(
         check_names(&source.model, products)?;
         check_levels(garment, garments, options.lod_schema)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
-        replaced.extend(paths.map_err(|e| fault(e.into()))?);
+        replaced.extend(paths.map_err(fault)?);
     }
     let stage = garments[0].source;
     if !frame.flatten {

@@ -359,8 +359,7 @@ impl Author<'_> {
 }
 
 /// The error of a layer that does not admit a name or type.
-#[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
-pub fn fault(error: openusd::Error) -> Error {
+pub fn fault(error: impl std::fmt::Display) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(codes::COMPOSITION_FAILED)
 }
 

@@ -1,6 +1,7 @@
 //! A recipe as opinions on the model, in a layer over the stage.
 
 use super::layer::{LayerContext, overlay};
+use super::product::fault;
 use super::save::{Format, OutputFile, Unnamed, check_whole, text_of};
 use crate::codes;
 use crate::read::{Files, Model, ReadOptions, Selection, Source, select};
@@ -154,10 +155,6 @@ fn selected(data: &dyn AbstractData) -> Vec<Selection> {
     }
     found.sort();
     found
-}
-
-fn fault(e: impl std::fmt::Display) -> Error {
-    Error::usd(format!("the layer cannot be composed: {e}")).code(codes::COMPOSITION_FAILED)
 }
 
 /// A layer over the garment, without opinions.

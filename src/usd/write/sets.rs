@@ -1,7 +1,7 @@
 //! Sets of elements as subsets: of products, and of the model in a layer over the stage.
 
 use super::layer::{LayerContext, check_name, name_fault, overlay};
-use super::product::Author;
+use super::product::{Author, fault};
 use super::role::SetChoice;
 use super::save::OutputFile;
 use crate::codes;
@@ -194,9 +194,6 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
         let anchor = file.anchor();
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
         let mesh = Mesh { subsets: Arc::new(sets), ..Mesh::default() };
-        let fault = |e: openusd::Error| {
-            Error::usd(format!("the layer cannot be composed: {e}")).code(codes::COMPOSITION_FAILED)
-        };
         sdf::PrimSpec::over(&mut data, &model.path).map_err(|e| Error::usd(e.to_string()))?;
         let mut author = Author { data: &mut data, model, anchor, is_overlay: true, sets: SetChoice::All };
         author.subsets(&model.path, &mesh).map_err(fault)?;

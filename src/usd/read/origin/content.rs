@@ -1,6 +1,8 @@
 //! The content of each file of a stage, as it was first read: a file that another program replaces must not mix two versions.
 
 use super::converted::{Converted, has_converter};
+use super::resolver::package_file;
+use crate::assets::same_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -25,8 +27,22 @@ struct Known {
     changed: BTreeSet<PathBuf>,
     /// The metadata that were left out of each layer.
     left_out: BTreeMap<PathBuf, Vec<&'static str>>,
-    /// The converted content of each layer, or none for a layer that the library reads. Unset before conversion begins.
+    /// Each layer as converted, or none for a layer that the library reads; or the stage alone, by its file. Unset before conversion begins.
     converted: Option<BTreeMap<PathBuf, Option<Converted>>>,
+    /// Whether the stage was flattened, or tried to be.
+    flattens: bool,
+}
+
+impl Known {
+    /// What was converted, by its file.
+    fn all(&self) -> impl Iterator<Item = (&PathBuf, &Converted)> {
+        self.converted.iter().flatten().filter_map(|(place, converted)| Some((place, converted.as_ref()?)))
+    }
+
+    /// Why another program was ended, if one was.
+    fn ended(&self) -> Option<String> {
+        self.all().find_map(|(_, converted)| converted.result.as_ref().err().cloned())
+    }
 }
 
 /// Bytes and time of a file.
@@ -74,31 +90,61 @@ impl ReadFiles {
         }
     }
 
-    /// Has layers converted from now on, if something can and they are not yet.
-    pub fn convert(&self) -> bool {
+    /// Has layers converted from now on, if something can. If they are already, has the stage of `file` flattened, which the library
+    /// cannot read for this reason. Whether that is new.
+    pub fn convert(&self, file: &str, fault: String) -> bool {
         let mut known = self.known();
-        let begins = has_converter() && known.converted.is_none();
-        if begins {
-            known.converted = Some(BTreeMap::new());
+        if !has_converter() || known.flattens || known.ended().is_some() {
+            return false;
         }
-        begins
+        let Some(layers) = &mut known.converted else {
+            known.converted = Some(BTreeMap::new());
+            return true;
+        };
+        let stage = Converted::of(file, true, fault);
+        let is_new = stage.as_ref().is_some_and(|stage| stage.result.is_ok());
+        if is_new {
+            layers.clear();
+        }
+        layers.insert(file.into(), stage);
+        known.flattens = true;
+        is_new
+    }
+
+    /// The flattened content of the stage, if this is its file or an entry of its package.
+    pub fn flattened(&self, layer: &Path) -> Option<Arc<[u8]>> {
+        let known = self.known();
+        let (file, stage) = known.all().find(|(_, converted)| converted.is_stage)?;
+        let content = &stage.result.as_ref().ok()?.content;
+        same_file(&package_file(layer), file).then(|| Arc::clone(content))
     }
 
     /// The content of a layer that is converted.
     pub fn converted(&self, layer: &Path) -> Option<Arc<[u8]>> {
-        let content = |known: &Option<Converted>| known.as_ref().map(|one| Arc::clone(&one.content));
+        if let Some(flattened) = self.flattened(layer) {
+            return Some(flattened);
+        }
+        let content = |known: &Option<Converted>| Some(Arc::clone(&known.as_ref()?.result.as_ref().ok()?.content));
         if let Some(known) = self.known().converted.as_ref()?.get(layer) {
             return content(known);
         }
-        let converted = layer.to_str().and_then(Converted::of);
+        let converted = layer.to_str().filter(|_| self.ended().is_none()).and_then(Converted::of_layer);
         content(self.known().converted.get_or_insert_default().entry(layer.to_path_buf()).or_insert(converted))
     }
 
-    /// The notes about layers that were converted.
+    /// The files of the layers of a stage that was flattened.
+    pub fn flattened_files(&self) -> Vec<PathBuf> {
+        self.known().all().filter_map(|(_, one)| one.result.as_ref().ok()).flat_map(|one| one.files.clone()).collect()
+    }
+
+    /// The notes about layers that were converted, or about the stage that was flattened.
     pub fn notes(&self) -> Vec<Warning> {
-        let known = self.known();
-        let all = known.converted.iter().flatten();
-        all.filter_map(|(layer, converted)| Some(converted.as_ref()?.note(layer))).collect()
+        self.known().all().map(|(place, converted)| converted.note(place)).collect()
+    }
+
+    /// Why another program was ended before it had converted something.
+    pub fn ended(&self) -> Option<String> {
+        self.known().ended()
     }
 
     /// The warnings of what was left out, and the notes about layers that were converted.

@@ -1,19 +1,39 @@
-//! Layers that the USD library cannot read, as another program writes them anew.
+//! What the USD library cannot read, as another program writes it anew.
 //!
-//! A layer is converted, and the stage is not flattened: its paths, its variants and the layers below it stay what they are.
+//! Layers are converted one by one: paths, variants and the layers below stay what they are. Where that does not help, as for edits of
+//! arrays and for packages in packages, the whole stage is flattened, and stands for the layer of its file.
 
 use super::resolver::Files;
 use crate::codes;
 use openusd::pcp::CompositionDiagnostic::{MalformedLayer, MalformedSublayer};
 use openusd::sdf::Layer;
 use openusd::usd::Stage;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tailor_mesh::error::{Error, Warning};
 
-/// Writes a layer anew as a crate, by its path: a file, or an entry of a package as `package[entry]`. The result is the content and
-/// the name of the program; none where no program can.
-pub type Converter = fn(&str) -> Option<(Vec<u8>, String)>;
+/// What another program writes anew as a crate.
+#[derive(Clone, Copy, Debug)]
+pub struct Foreign<'a> {
+    /// The layer: a file, or an entry of a package as `package[entry]`.
+    pub path: &'a str,
+    /// Whether it is the stage of this file, flattened. One with variants is not, as those that are not selected would be lost.
+    pub is_stage: bool,
+}
+
+/// A crate that another program wrote.
+#[derive(Clone, Debug)]
+pub struct Rewritten {
+    /// The crate.
+    pub content: Arc<[u8]>,
+    /// The name of the program.
+    pub program: String,
+    /// The files of the layers of a stage.
+    pub files: Vec<PathBuf>,
+}
+
+/// Writes a layer or a stage anew: none where no program can, and an error where the program was ended.
+pub type Converter = fn(Foreign<'_>) -> Result<Option<Rewritten>, String>;
 
 static CONVERTER: OnceLock<Converter> = OnceLock::new();
 
@@ -28,32 +48,45 @@ pub fn has_converter() -> bool {
     CONVERTER.get().is_some()
 }
 
-/// A layer that was converted.
+/// A layer or a stage that was converted.
 #[derive(Clone, Debug)]
 pub struct Converted {
-    pub content: Arc<[u8]>,
-    /// The program that did it.
-    program: String,
+    /// What another program wrote, or why it was ended.
+    pub result: Result<Rewritten, String>,
     /// Why the library cannot read it.
     fault: String,
+    /// Whether it is a whole stage.
+    pub is_stage: bool,
 }
 
 impl Converted {
     /// A layer that the library cannot read; none of one that it reads, or that cannot be converted.
-    pub fn of(layer: &str) -> Option<Self> {
+    pub fn of_layer(layer: &str) -> Option<Self> {
         let fault = check(Layer::open_with(Files::default(), layer).map_err(|e| e.to_string())).err()?;
-        let (content, program) = CONVERTER.get()?(layer)?;
-        check(Layer::from_bytes("converted", content.clone()).map_err(|e| e.to_string())).ok()?;
-        Some(Self { content: content.into(), program, fault })
+        Self::of(layer, false, fault)
+    }
+
+    /// A layer or a stage, which the library cannot read for this reason; none where it cannot be converted.
+    pub fn of(path: &str, is_stage: bool, fault: String) -> Option<Self> {
+        let result = CONVERTER.get()?(Foreign { path, is_stage }).transpose()?;
+        if let Ok(Rewritten { content, .. }) = &result {
+            check(Layer::from_bytes("converted", content.to_vec()).map_err(|e| e.to_string())).ok()?;
+        }
+        Some(Self { result, fault, is_stage })
     }
 
     /// The note about it.
-    pub fn note(&self, layer: &Path) -> Warning {
-        // The other lines show the place.
-        let fault = self.fault.trim_start_matches("error: ").lines().next().unwrap_or_default();
-        let problem = format!("read by {}, as this program cannot: {fault}", self.program);
-        let remedy = "Write it again by `usdcat -o` to do without OpenUSD; --no-fallback refuses it";
-        Warning::new(codes::CONVERTED_LAYER, layer.display(), problem).remedy(remedy)
+    pub fn note(&self, place: &Path) -> Warning {
+        // The name of the file is before, and the other lines show the place.
+        let fault = self.fault.rsplit("read as USD: ").next().unwrap_or_default();
+        let fault = fault.trim_start_matches("error: ").lines().next().unwrap_or_default();
+        let (how, command) = if self.is_stage { ("flattened", "usdcat --flatten -o") } else { ("read", "usdcat -o") };
+        let problem = match &self.result {
+            Ok(Rewritten { program, .. }) => format!("{how} by {program}, as this program cannot read it: {fault}"),
+            Err(ended) => format!("{ended}; this program cannot read it: {fault}"),
+        };
+        let remedy = format!("Write it again by `{command}` to do without OpenUSD; --no-fallback refuses it");
+        Warning::new(codes::CONVERTED_LAYER, place.display(), problem).remedy(remedy)
     }
 }
 
@@ -69,19 +102,20 @@ fn check(layer: Result<Layer, String>) -> Result<(), String> {
     Ok(())
 }
 
-/// Whether an error is of a layer that the library cannot read.
-pub fn is_unread(error: &Error) -> bool {
-    let unread = [tailor_mesh::codes::DAMAGED_FILE, codes::NOT_SUPPORTED];
-    error.faults.iter().any(|fault| unread.contains(&fault.code))
+/// The fault of an error that is of what the library cannot read.
+pub fn unread(error: &Error) -> Option<String> {
+    let unread = [tailor_mesh::codes::DAMAGED_FILE, codes::NOT_SUPPORTED, codes::COMPOSITION_FAILED];
+    error.faults.iter().find(|fault| unread.contains(&fault.code)).map(|fault| fault.text.clone())
 }
 
-/// Whether a stage lacks a layer that the library cannot read, among those of the prims that are composed so far.
-pub fn lacks_layers(stage: &Stage) -> bool {
-    let of = |fault: &_| match fault {
-        MalformedLayer { asset_path, .. } | MalformedSublayer { asset_path, .. } => is_layer(Path::new(asset_path)),
-        _ => false,
-    };
-    stage.composition_errors().iter().any(of)
+/// The fault of a stage that lacks a layer that the library cannot read, among those of the prims that are composed so far.
+pub fn lacking(stage: &Stage) -> Option<String> {
+    stage.composition_errors().iter().find_map(|fault| match fault {
+        MalformedLayer { asset_path, .. } | MalformedSublayer { asset_path, .. } => {
+            is_layer(Path::new(asset_path)).then(|| format!("{asset_path} cannot be read"))
+        }
+        _ => None,
+    })
 }
 
 /// Whether a path is of USD by its name, or of an entry of a package that is.

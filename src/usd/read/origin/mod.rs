@@ -9,7 +9,7 @@ mod resolver;
 mod text;
 
 pub use content::ReadFiles;
-pub use converted::{Converter, set_converter};
+pub use converted::{Converter, Foreign, Rewritten, set_converter};
 pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
@@ -17,7 +17,7 @@ use super::variants::{SESSION, Selection, session_layer};
 use crate::assets::as_named;
 use crate::codes;
 use content::CHANGED;
-use converted::{is_unread, lacks_layers};
+use converted::{lacking, unread};
 use openusd::usd::Stage;
 use std::fs;
 use std::io;
@@ -53,16 +53,33 @@ impl StageOrigin {
     pub fn open(&self) -> Result<Stage, Error> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
-            None => self.open_file().or_else(|e| self.check_unchanged().and(Err(e))),
+            None => self
+                .until_read(|| {
+                    let opened = open_file(&self.file, &self.variants, &self.read);
+                    let fault = opened.as_ref().map_or_else(unread, lacking);
+                    (opened, fault)
+                })
+                .or_else(|e| self.check_unchanged().and(Err(e))),
         }
     }
 
-    /// Opens the file, with its layers converted where the library cannot read them.
-    fn open_file(&self) -> Result<Stage, Error> {
-        let open = || open_file(&self.file, &self.variants, &self.read);
-        let first = open();
-        let is_unread = first.as_ref().map_or_else(is_unread, lacks_layers);
-        if is_unread && self.read.convert() { open().or(first) } else { first }
+    /// The result of a step. While it has a fault of what the library cannot read, layers are converted, then the stage is flattened, and
+    /// the step is done again. The first error stays where that does not help.
+    fn until_read<T>(&self, step: impl Fn() -> (Result<T, Error>, Option<String>)) -> Result<T, Error> {
+        let (mut found, mut fault) = step();
+        while let Some(words) = fault.take().filter(|_| self.content.is_none()) {
+            let Ok(file) = as_named(&self.file) else { break };
+            if !self.read.convert(&file, words) {
+                break;
+            }
+            let (next, next_fault) = step();
+            fault = next_fault;
+            found = next.or(found);
+        }
+        found.map_err(|e| match self.read.ended() {
+            Some(ended) => e.remedy(format!("{ended}: write it again by `usdcat -o`, or `usdcat --flatten -o`")),
+            None => e,
+        })
     }
 
     /// The result of `read` on the stage. Where layers turn out to be unreadable as prims are composed, or by the `fault` of a result,
@@ -75,10 +92,14 @@ impl StageOrigin {
         read: impl Fn(&Stage) -> Result<T, Error>,
         fault: impl Fn(&T) -> Option<&Error>,
     ) -> Result<T, Error> {
-        let stage = self.open()?;
-        let found = read(&stage);
-        let lacks = found.as_ref().map_or_else(Some, fault).is_some_and(is_unread) || lacks_layers(&stage);
-        if lacks && self.content.is_none() && self.read.convert() { read(&self.open()?) } else { found }
+        self.until_read(|| match self.open() {
+            Ok(stage) => {
+                let found = read(&stage);
+                let fault = found.as_ref().map_or_else(Some, &fault).and_then(unread).or_else(|| lacking(&stage));
+                (found, fault)
+            }
+            Err(e) => (Err(e), None),
+        })
     }
 
     /// Refuses files that had another content when they were read again.
@@ -186,5 +207,28 @@ fn not_usd(file: &Path, words: &str) -> Error {
         unsupported("it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`")
     } else {
         fault.remedy("the file is damaged, or is another format under this name; export it again")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn a_program_that_was_ended_is_told_and_not_started_again() {
+        static STARTED: AtomicUsize = AtomicUsize::new(0);
+        set_converter(|foreign| {
+            let is_here = foreign.path.ends_with("slow.usda");
+            STARTED.fetch_add(usize::from(is_here), Ordering::Relaxed);
+            if is_here { Err(format!("it was ended for {}", foreign.path)) } else { Ok(None) }
+        });
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("slow.usda");
+        fs::write(&file, "#usda 1.0\n(((").expect("a file");
+        let error = StageOrigin::new(&file, None, &[]).open().expect_err("it is damaged");
+        assert_eq!(error.faults[0].code, tailor_mesh::codes::DAMAGED_FILE);
+        assert!(error.faults[0].remedy.starts_with("it was ended for "), "{error}");
+        assert_eq!(STARTED.load(Ordering::Relaxed), 1);
     }
 }

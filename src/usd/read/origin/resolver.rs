@@ -135,6 +135,9 @@ impl Files {
     /// The path of a layer that is converted, or of a text with letters beyond ASCII in its words, under which it may be handed over
     /// as a crate. None of other layers. For a package, it is that of its first layer.
     fn by_content(&self, found: &ResolvedPath) -> Option<ResolvedPath> {
+        if self.read.flattened(found).is_some() {
+            return Some(ResolvedPath::new(format!("{}{BY_CONTENT}", found.to_str()?)));
+        }
         let layer = if ends_with(found, ".usdz") {
             require_memory(&package_file(found)).ok()?;
             UsdzFileFormat.resolve_layer(&self.resolver, found)?
@@ -215,6 +218,11 @@ impl Resolver for Files {
             _ => resolved_path.clone(),
         };
         let package = package_file(resolved_path);
+        if let Some(content) = self.read.flattened(resolved_path) {
+            // As for layers below.
+            self.read_file(&package)?;
+            return Ok(shared(ar::AssetBuffer::from(content)));
+        }
         let is_packed = package != **resolved_path;
         if is_packed || ends_with(&package, ".usdz") {
             // It is read whole.
