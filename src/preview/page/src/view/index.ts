@@ -25,6 +25,7 @@ import { Markers } from "./markers";
 import type { Paint } from "./shade/paint";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
+import type { Draw } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { histogram, worstFace } from "./mesh/values";
@@ -74,9 +75,9 @@ class CanvasView implements View {
     this.#markers = new Markers(this.#stage);
     this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
     this.#picker = new Picker(this.#stage.renderer);
-    this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample),
-    );
+    const parts: Draw = ({ sample: target }, sample) =>
+      this.#stage.parts({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample);
+    this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false));
     const hover = (picked: Picked | null): void => this.#hovers(picked);
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
@@ -248,8 +249,8 @@ class CanvasView implements View {
   }
 
   screenshot(): Promise<Blob> {
-    // What is new has no samples yet.
-    if (this.#awaited) this.#draw();
+    // What is new has no samples yet, and a draft has too few pixels.
+    if (this.#awaited || this.#stage.isDraft) this.#draw(false);
     this.#still.finish();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
@@ -261,7 +262,7 @@ class CanvasView implements View {
     const [across, up] = [width / ratio, this.#stage.height];
     const sheet = { width: across, height: up, ratio, columns: this.#columnsOf(across, up), isClear: true };
     return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...sheet, target }, this.#cameras, sample),
+      this.#stage.parts({ ...sheet, target }, this.#cameras, sample),
     );
   }
 
@@ -270,7 +271,7 @@ class CanvasView implements View {
     const turned = (share: number): void => {
       const [x, y, z, size, turn, tilt] = pose;
       this.#cameras.space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
-      this.#draw();
+      this.#draw(false);
       this.#still.finish(FILMED);
     };
     const blob = await film(this.canvas, seconds, turned).finally(() => this.#cameras.space.motion.jump(pose));
@@ -384,11 +385,16 @@ class CanvasView implements View {
     else this.#hover.look();
   }
 
-  #draw(): void {
-    this.#stage.resize();
-    const start = performance.now();
+  #drawPlain(isMoving: boolean): void {
+    this.#stage.resize(isMoving);
     this.#stage.draw(this.#stage.sheet(this.#columns), this.#cameras);
-    this.#still.restart();
+  }
+
+  /** A moving picture may be a draft. */
+  #draw(isMoving = true): void {
+    const start = performance.now();
+    this.#drawPlain(isMoving);
+    this.#still.restart(this.#stage.isDraft);
     this.#plan();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
