@@ -32,8 +32,9 @@ export const KEYS: [string, string][] = [
   ["Shift Drag", "On a slider or a number: a tenth of the way"],
   ["Drag", "Turn the view; with the right button or Shift, pan"],
   ["Wheel", "Zoom to the pointer"],
-  ["Click", "Select an edge or a face of the model; with Shift add, with Alt take away, with Ctrl add the path to it"],
-  ["L", "Select the whole border, seam or loop of an edge, the whole UV shell of a face"],
+  ["Y", "Select and edit both sides of a symmetric garment at once, or one"],
+  ["Click", "Select the edge or the face of the model there, on any mesh; with Shift add, with Alt take away, with Ctrl add the path to it"],
+  ["L", "Select the whole border, seam or loop of an edge, again: straight on; the whole UV shell of a face"],
   ["M", "Select all faces with the material of the selected ones"],
   ["B", "Select the border of the selected faces"],
   ["+ −", "Select one row of faces more or less around the selection"],
@@ -89,6 +90,7 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "i") store.toggleIsolated();
   if (key === "x" && !event.repeat) store.toggleSplit();
   if (key === "w") store.settings({ wires: !settings.wires });
+  if (key === "y" && store.state.garment?.mirror) store.settings({ symmetric: !settings.symmetric });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
   if (key === "c" && !event.repeat && document.canUndo) compare(store, earlier);

@@ -6,7 +6,7 @@ import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/pro
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
-import type { Picked, Plan } from "../view/api";
+import type { Outline, Picked, Plan } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import { ROLES } from "../view/layout";
 import type { Timing } from "./stopwatch";
@@ -41,6 +41,8 @@ export interface State {
   lastEdit: Timing | null;
   settings: Settings;
   hovered: Picked | null;
+  /** What a click there takes, on all meshes. */
+  outlines: Outline[];
   clicked: Picked | null;
   selection: Selection | null;
   /** What is written on the flat panels. */
@@ -112,6 +114,7 @@ export function initialState(): State {
     lastEdit: null,
     settings: loadSettings(),
     hovered: null,
+    outlines: [],
     clicked: null,
     selection: null,
     plan: [],

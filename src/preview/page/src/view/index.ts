@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
-import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { Cloth } from "./mesh/cloth";
 import type { Content } from "./mesh/cloth";
 import { contentOf } from "./mesh/copy";
@@ -50,6 +50,9 @@ class CanvasView implements View {
   readonly #hover: Hover;
   readonly #director: Director;
   #looks: LookInfo[] = [];
+  /** Points of the model, without those of its refinement for display. */
+  #points = 0;
+  #hovered: Picked | null = null;
   readonly #markers: Markers;
   /** Edge sets under the pointer. */
   #hot: string[] = [];
@@ -152,8 +155,9 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
-  setGarment({ looks, sets, metersPerUnit }: Parameters<View["setGarment"]>[0]): void {
+  setGarment({ looks, sets, points, metersPerUnit }: Parameters<View["setGarment"]>[0]): void {
     this.#looks = looks ?? [];
+    this.#points = points;
     placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
     this.#stage.setLooks(this.#looks, () => this.#invalidate());
@@ -218,10 +222,7 @@ class CanvasView implements View {
     const model = this.#stage.cloths.get("model");
     if (!model) return null;
     if (typeof what === "string") return new Set(elementsOfSet(model, what)?.faces);
-    if ("role" in what) {
-      const { sources } = this.#stage.cloths.get(what.role) ?? model;
-      return panelsOf(model, new Set([sources ? sources[what.face] : what.face]));
-    }
+    if ("face" in what) return panelsOf(model, new Set([what.face]));
     return "faces" in what ? new Set(what.faces) : panelsOf(model, facesAt(model, what));
   }
 
@@ -396,6 +397,7 @@ class CanvasView implements View {
     this.#drawPlain(isMoving);
     this.#still.restart(this.#stage.isDraft);
     this.#plan();
+    if (this.#hovered) this.#hovers(this.#hovered);
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
 
@@ -462,25 +464,40 @@ class CanvasView implements View {
     const cloths = column && this.#stage.clothsOf(column);
     const role = column?.roles.filter((name) => cloths?.has(name)).at(-1);
     const cloth = role && cloths?.get(role);
-    if (!column || !cloth || (column.flat && !cloth.hasUvs)) return null;
+    const model = cloths?.get("model");
+    if (!column || !cloth || !model || (column.flat && !cloth.hasUvs)) return null;
     const { flat } = column;
     const rig = this.#cameras.of(flat);
     rig.place(aspectOf(column));
     this.#stage.uniforms.uFlat.value = flat;
-    return { role, cloth, column, camera: rig.camera, at, flat };
+    return { role, cloth, model, points: this.#points, column, camera: rig.camera, at, flat };
   }
 
   #hovers(picked: Picked | null): void {
-    const column = picked && this.#columnAt(picked);
-    const cloth = column && this.#stage.clothsOf(column).get(picked.role);
-    const elements = picked && { faces: [picked.face], edges: picked.edge ? [picked.edge] : [] };
-    const hovered = cloth && elements ? { role: picked.role, cloth, elements, flat: column.flat } : null;
-    this.#markers.hovered = hovered;
-    if (this.#director.ways.length > 1) {
-      this.#markers.placeHovered(this.#director.ways);
-      this.#invalidate();
-    }
-    this.events.hover(picked);
+    this.#hovered = picked;
+    this.events.hover(picked, picked ? this.#columns.flatMap((column) => this.#outlineIn(column, picked)) : []);
+  }
+
+  /** What a click on it takes, where it is drawn. */
+  #outlineIn(column: Column, { face, edge }: Picked): Outline[] {
+    const [model, cloth] = [this.#stage.cloths.get("model"), this.#stage.solidOf(column)];
+    if (!model || !cloth || column.split?.isKept) return [];
+    const { x, y, width, height, flat } = column;
+    const elements = this.#markers.carried(model, cloth, edge ? { edges: [edge] } : { faces: [face] });
+    const { segments, triangles } = shapesOf(cloth, elements, flat);
+    const rig = this.#cameras.of(flat);
+    rig.place(aspectOf(column));
+    const place = new Vector3();
+    const line = (corners: string[]) => `M${corners.join("L")}Z`;
+    const corner = (numbers: number[], at: number) => {
+      const on = toCanvas(place.fromArray(numbers, at).project(rig.camera), { ...column, x: 0, y: 0 });
+      return `${on.x.toFixed(1)} ${on.y.toFixed(1)}`;
+    };
+    const parts = (numbers: number[], size: number) =>
+      Array.from({ length: numbers.length / (3 * size) }, (_, part) =>
+        line(Array.from({ length: size }, (_, at) => corner(numbers, 3 * (size * part + at)))),
+      );
+    return [{ x, y, width, height, path: [...parts(segments, 2), ...parts(triangles, 3)].join("") }];
   }
 
   /** Thickens the edge set under the pointer. */

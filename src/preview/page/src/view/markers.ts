@@ -22,17 +22,20 @@ export class Markers {
   /** Elements of the model. */
   selected: Elements | null = null;
   highlighted: ReadonlySet<string> = new Set();
-  /** What the pointer is on, and whether on the UV plane. */
-  hovered: (OnCloth & { flat: boolean }) | null = null;
   readonly #marks = new Carrying();
   readonly #selections = new Carrying();
+  readonly #hovers = new Carrying();
 
   constructor(private readonly stage: Stage) {}
 
   /** Places all markers on the meshes that are drawn, in space, on the UV plane, or both. */
   place(roles: Role[], ways: boolean[]): void {
     for (const flat of ways) this.#placeIn(roles, flat);
-    this.placeHovered(ways);
+  }
+
+  /** Elements of the model that the pointer is on, on one of the meshes. */
+  carried(model: Cloth, cloth: Cloth, elements: Elements): Elements {
+    return this.#hovers.of(model, cloth, elements);
   }
 
   #placeIn(roles: Role[], flat: boolean): void {
@@ -48,14 +51,6 @@ export class Markers {
     }
     const shown = roles.flatMap((role) => stage.cloths.get(role) ?? []);
     placeGlow(markers.glow, shown, this.highlighted, flat);
-  }
-
-  /** What the pointer is on, where the same mesh is seen in the other way beside it. */
-  placeHovered(ways: boolean[]): void {
-    for (const flat of ways) {
-      const found = this.hovered?.flat === !flat ? this.hovered : null;
-      placeMarks(this.stage.markersOf(flat).hovered, found?.cloth, found?.elements ?? null, flat);
-    }
   }
 
   /** The marked elements on their mesh; null while it is not there. */

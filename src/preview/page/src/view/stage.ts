@@ -259,7 +259,7 @@ export class Stage {
     renderer.clear();
     if (!sheet.isClear) renderer.render(this.#backdrop.sky, cameras.space.camera);
     for (const column of sheet.columns) {
-      const caster = sample && this.#hasShadows && !column.flat ? this.#solidOf(column) : null;
+      const caster = sample && this.#hasShadows && !column.flat ? this.solidOf(column) : null;
       if (caster) yield* this.#cast(caster, column, cameras.space, sample as Sample);
       this.#drawColumn(sheet, column, cameras, sample, caster !== null);
       renderer.setScissorTest(false);
@@ -307,7 +307,7 @@ export class Stage {
   }
 
   /** The last mesh of a column, which is solid; null while it is not there. */
-  #solidOf(column: Column): Cloth | null {
+  solidOf(column: Column): Cloth | null {
     const cloths = this.clothsOf(column);
     return column.roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1) ?? null;
   }

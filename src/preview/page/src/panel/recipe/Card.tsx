@@ -4,7 +4,7 @@ import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent, TargetedMous
 import type { Fields, KindName } from "../../server/options";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
-import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard } from "../../state/cards";
+import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard, twinOf } from "../../state/cards";
 import { isEnabled, instanceAt, setsOf } from "../../state/recipe";
 import { Switch } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
@@ -16,6 +16,11 @@ import { Look } from "../presets/Look";
 import { NameField } from "./NameField";
 import { Faults, OptionRow } from "./OptionRow";
 import { Swatch } from "./SetChips";
+
+const TWIN = {
+  self: "Its sets lie on both sides of the garment",
+  other: "The same on the other side: a value that is set here is set there (Y ends it)",
+};
 
 interface CardProps {
   operator: Stacked;
@@ -41,6 +46,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
   const isRenaming = useSelect(({ naming }) => naming === full);
   const isChosen = useSelect(({ chosen }) => chosen.has(full));
   const isOn = isEnabled(merged, operator);
+  const twin = useSelect((state) => twinOf(state, operator));
 
   const act = () => {
     clickCard(store, full);
@@ -123,6 +129,11 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
               <span class="card-summary">
                 {!listed && "not in the order"}
                 {listed && !isOpen && <Summary operator={operator} />}
+                {twin && (
+                  <em class="card-twin" title={twin.full === full ? TWIN.self : TWIN.other}>
+                    ⇄ {twin.full === full ? "both sides" : twin.name}
+                  </em>
+                )}
               </span>
             </span>
           </button>

@@ -28,8 +28,9 @@ export function Stage() {
         ref={canvas}
         tabIndex={0}
         aria-label="The garment in 3D"
-        onPointerLeave={() => store.update({ hovered: null })}
+        onPointerLeave={() => store.update({ hovered: null, outlines: [] })}
       />
+      <Outlines />
       <ColumnLabels />
       <FirstLoad />
       <Progress />
@@ -108,6 +109,18 @@ function FirstLoad() {
       <p>{file ? `Laying out ${file}` : "Waiting for the garment"}</p>
     </div>
   );
+}
+
+/** What a click takes, on all meshes. */
+function Outlines() {
+  const outlines = useSelect((state) => state.outlines);
+  const isFace = useSelect(({ hovered }) => hovered?.edge === null);
+  return outlines.map(({ x, y, width, height, path }) => (
+    <svg class={`outline ${isFace ? "is-face" : ""}`} key={`${x} ${y}`} style={{ left: `${x}px`, top: `${y}px` }} width={width} height={height} aria-hidden="true">
+      {!isFace && <path class="outline-rim" d={path} />}
+      <path d={path} />
+    </svg>
+  ));
 }
 
 /** Names the sets under the pointer. Face sets are everywhere, so only those of a fold are named. */

@@ -114,7 +114,8 @@ function HeatSelect() {
 
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, layout, shadows, smooth } = useSelect((state) => state.settings);
+  const { wires, edgeSets, flat, layout, shadows, smooth, symmetric } = useSelect((state) => state.settings);
+  const mirror = useSelect(({ garment }) => garment?.mirror);
   const isolated = useSelect((state) => state.isolated);
   const split = useSelect((state) => state.split);
   return (
@@ -188,6 +189,15 @@ export function SideBar() {
         on={split !== null}
         change={() => store.toggleSplit()}
       />
+      {mirror && (
+        <Toggle
+          label="Both sides"
+          icon="mirror"
+          hint={`Select and edit both sides of the garment at once; its plane is across ${mirror.axis} (Y)`}
+          on={symmetric}
+          change={(symmetric) => store.settings({ symmetric })}
+        />
+      )}
       <IconButton
         label="Frame"
         icon="frame"
