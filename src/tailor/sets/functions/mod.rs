@@ -69,7 +69,7 @@ functions! {
     "onward(edges), onward(edges, st)" onward [1, 2] => edges by paths::onward:
         "A set of edges with what goes on straight at its ends, through junctions: the border, UV seam, crease or edge loop there";
     "path(set, set)" path [2, 2] => elements by paths::path:
-        "The path between two sets of edges or of faces, with those that it begins and ends with; of edges it keeps to borders, UV seams and creases, and goes straight on, where that is no more than twice as long";
+        "The path between two sets of edges or of faces, with those that it begins and ends with; edges keep to borders, UV seams and creases, and go straight on, where that is up to twice as long";
     "mirror(set)" mirror [1, 1] => elements by mirror::mirror:
         "The elements on the other side of the plane of symmetry";
     "pickedEdges(checksum, numbers)" pickedEdges [2, 2] => edges by picked::edges:

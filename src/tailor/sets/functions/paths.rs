@@ -5,7 +5,7 @@ use crate::sets::SetFault;
 use crate::sets::elements::ElementSet;
 use crate::sets::evaluate::{Arguments, Evaluation};
 use crate::sets::expression::Operation;
-use crate::sets::pieces::{oriented, other_end, pieces};
+use crate::sets::pieces::{edges_at, oriented, other_end, pieces};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};

@@ -19,6 +19,7 @@ export const KEYS: [string, string][] = [
   ["Ctrl B", "Build what is saved"],
   ["Space", "Play the cache, or pause; with , and . a frame back and on"],
   ["F", "Frame what is marked, or everything"],
+  ["[ ]", "The previous and the next place of the marked warning"],
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
   ["Shift 1 2 3", "Show one of them alone, and again all"],
@@ -90,6 +91,7 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "i") store.toggleIsolated();
   if (key === "x" && !event.repeat) store.toggleSplit();
   if (key === "w") store.settings({ wires: !settings.wires });
+  if (key === "[" || key === "]") store.visit((store.state.place?.at ?? 0) + (key === "]" ? 1 : -1));
   if (key === "y" && store.state.garment?.mirror) store.settings({ symmetric: !settings.symmetric });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
@@ -165,9 +167,9 @@ export function toggleRole(store: Store, index: number): void {
   if (next.length > 0) store.settings({ roles: next });
 }
 
-/** What a space presses. */
+/** What a space presses; a slider is only focused. */
 function isButton(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.closest("button, input, select, [data-card]") !== null;
+  return target instanceof HTMLElement && target.closest("button, input:not([type=range]), select, [data-card]") !== null;
 }
 
 /** A field with text that is not taken yet has an undo of its own. */

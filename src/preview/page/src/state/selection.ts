@@ -240,6 +240,11 @@ function countOf(elements: Elements): { kind: SetKind; count: number } {
   return { kind: "point", count: elements.points.length };
 }
 
+/** A set or an expression in words: a name such as `left_armhole` is that of a file. */
+export function wordsOf(set: string): string {
+  return /^\w+$/.test(set) ? set.replaceAll("_", " ") : shortName(set);
+}
+
 /** An expression as the panel shows it: numbers of elements say nothing to an artist. */
 export function shortName(expression: string): string {
   const words = (_: string, kind: string, numbers: string) => {

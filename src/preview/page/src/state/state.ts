@@ -36,6 +36,8 @@ export interface State {
   fit: FitMessage | null;
   isPlaying: boolean;
   heat: DrawnValues | null;
+  /** Whether the picture is the last one, or a better one comes. */
+  isFinal: boolean;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
   drawn: number;
   lastEdit: Timing | null;
@@ -50,6 +52,8 @@ export interface State {
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
   marked: Finding | null;
+  /** Which of the places of the marked warning is in view, and how many there are; null of one. */
+  place: { at: number; count: number } | null;
   /** Whether a part of the garment is shown alone. */
   isolated: boolean;
   /** Where the line of a split view is, as a part of each column; null without one. */
@@ -110,6 +114,7 @@ export function initialState(): State {
     fit: null,
     isPlaying: false,
     heat: null,
+    isFinal: true,
     drawn: 0,
     lastEdit: null,
     settings: loadSettings(),
@@ -120,6 +125,7 @@ export function initialState(): State {
     plan: [],
     isSelecting: false,
     marked: null,
+    place: null,
     isolated: false,
     split: null,
     open: new Set(),

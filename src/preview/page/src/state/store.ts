@@ -80,6 +80,7 @@ export class Store {
         hover: (hovered, outlines) => this.#hover(hovered, outlines),
         click: (clicked, how) => this.#click(clicked, how),
         plan: (plan) => this.#plan(plan),
+        final: (isFinal) => isFinal !== this.state.isFinal && this.update({ isFinal }),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });
     } catch (error) {
@@ -209,6 +210,15 @@ export class Store {
     if (hasElements && this.state.isolated) this.isolate(null);
     this.view?.mark(hasElements ? finding : null);
     this.highlight(null);
+    this.visit(0);
+  }
+
+  /** Flies to a place of the marked warning, where it has several; from the last to the first. */
+  visit(wanted: number): void {
+    const count = this.view?.placeCount() ?? 0;
+    const at = count > 0 ? (wanted + count) % count : 0;
+    if (count > 1) this.view?.flyToPlace(at);
+    this.update({ place: count > 1 ? { at, count } : null });
   }
 
   /** Without a change of the stored settings, which are the artist's own. */

@@ -86,6 +86,8 @@ export interface ViewEvents {
   click(picked: Picked | null, how: PickHow): void;
   /** The flat panels were drawn elsewhere, or the meshes are in space again. */
   plan(plan: Plan): void;
+  /** Whether the picture is the last one, or a better one comes. */
+  final(isFinal: boolean): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
   drawn(role: Role, revision: number, upload: number): void;
 }
@@ -96,7 +98,7 @@ export interface PlanColumn {
   y: number;
   width: number;
   height: number;
-  /** Names of panels at their centres, with the breadths of the panels. */
+  /** Names of panels at the middle of their upper sides, with the breadths of the panels. */
   labels: { name: string; x: number; y: number; breadth: number }[];
   /** One mesh unit on the surface, or 0 if the scale of the UVs is not known. */
   unit: number;
@@ -135,6 +137,10 @@ export interface View {
   highlight(sets: string[]): void;
   /** Marks elements of the model on a mesh, visible through cloth, and flies there once it is drawn; null ends it. */
   mark(marked: Marked | null, flies?: boolean): void;
+  /** Number of connected places of what is marked. */
+  placeCount(): number;
+  /** Flies to one of them. */
+  flyToPlace(at: number): void;
   /** Draws selected elements of the model on all meshes, faint behind cloth; null ends it. */
   select(elements: Elements | null): void;
   /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */

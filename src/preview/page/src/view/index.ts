@@ -80,7 +80,7 @@ class CanvasView implements View {
     this.#picker = new Picker(this.#stage.renderer);
     const parts: Draw = ({ sample: target }, sample) =>
       this.#stage.parts({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample);
-    this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false));
+    this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false), (is) => this.events.final(is));
     const hover = (picked: Picked | null): void => this.#hovers(picked);
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
@@ -188,9 +188,21 @@ class CanvasView implements View {
 
   mark(marked: Marked | null, flies = true): void {
     this.#markers.marked = marked;
+    this.#markers.placeAt = 0;
     this.#fliesToMarks = marked !== null && flies;
     this.#placeMarkers();
     if (this.#fliesToMarks) this.#flyToMarks();
+    this.#invalidate();
+  }
+
+  placeCount(): number {
+    return this.#markers.places.length;
+  }
+
+  flyToPlace(at: number): void {
+    this.#markers.placeAt = at;
+    this.#fliesToMarks = true;
+    this.#flyToMarks();
     this.#invalidate();
   }
 
@@ -416,10 +428,10 @@ class CanvasView implements View {
   }
 
   #flyToMarks(): void {
-    const { onMarked } = this.#markers;
-    if (!onMarked || !this.options.roles.includes(onMarked.role)) return;
+    const { onPlace } = this.#markers;
+    if (!onPlace || !this.options.roles.includes(onPlace.role)) return;
     this.#fliesToMarks = false;
-    this.#director.flyTo(onMarked);
+    this.#director.flyTo(onPlace);
   }
 
   #moved<Moved extends Rig>(rig: Moved, move: (rig: Moved) => void): void {

@@ -3,6 +3,7 @@
 import type { Role } from "../server/protocol";
 import type { Marked } from "./api";
 import type { Cloth } from "./mesh/cloth";
+import { placesIn } from "./mesh/panels";
 import { placeGlow, placeMarks } from "./mesh/shapes";
 import type { Elements } from "./mesh/shapes";
 import type { Marks } from "./mesh/marks";
@@ -25,6 +26,9 @@ export class Markers {
   readonly #marks = new Carrying();
   readonly #selections = new Carrying();
   readonly #hovers = new Carrying();
+  /** The place of the marks that is flown to. */
+  placeAt = 0;
+  #places: { of: Elements; model: Cloth; all: Elements[] } | null = null;
 
   constructor(private readonly stage: Stage) {}
 
@@ -56,6 +60,20 @@ export class Markers {
   /** The marked elements on their mesh; null while it is not there. */
   get onMarked(): OnCloth | null {
     return this.marked && this.#on(this.marked.role, this.marked.elements, this.#marks);
+  }
+
+  /** The connected places of the marks, the largest first. */
+  get places(): Elements[] {
+    const [of, model] = [this.marked?.elements, this.stage.cloths.get("model")];
+    if (!of || !model) return [];
+    if (this.#places?.of !== of || this.#places.model !== model) this.#places = { of, model, all: placesIn(model, of) };
+    return this.#places.all;
+  }
+
+  /** The place that is flown to, on the mesh of the marks. */
+  get onPlace(): OnCloth | null {
+    const place = this.places[this.placeAt];
+    return this.marked && (place ? this.#on(this.marked.role, place, this.#hovers) : this.onMarked);
   }
 
   #on(role: Role, elements: Elements, carrying: Carrying): OnCloth | null {

@@ -2,6 +2,7 @@
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { setsOf } from "../../state/recipe";
+import { wordsOf } from "../../state/selection";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
@@ -32,6 +33,7 @@ export function Stage() {
       />
       <Outlines />
       <ColumnLabels />
+      <StillNote />
       <FirstLoad />
       <Progress />
       <ToolBar />
@@ -49,6 +51,11 @@ export function Stage() {
       )}
     </main>
   );
+}
+
+function StillNote() {
+  const isFinal = useSelect((state) => state.isFinal);
+  return isFinal ? null : <p class="still-note">A finer picture comes</p>;
 }
 
 function IsolatedNote() {
@@ -141,7 +148,7 @@ function HoverLabel() {
       {labels.map(({ name, users }) => (
         <span key={name}>
           <Swatch set={name} />
-          {name}
+          {wordsOf(name)}
           {users.length > 0 && <em>{users.join(", ")}</em>}
         </span>
       ))}

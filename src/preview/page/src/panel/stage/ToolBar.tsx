@@ -3,6 +3,7 @@
 import type { Shading } from "../../view/api";
 import { IconButton, Segments, Select, Toggle } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
 import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
 import { FabricButton } from "./FabricButton";
 import { PictureButton } from "./PictureButton";
@@ -32,6 +33,7 @@ export function ToolBar() {
             onClick={() => toggleRole(store, i)}
             onDblClick={() => showAlone(store, i)}
           >
+            <Icon name={settings.roles.includes(role) ? "eye" : "hidden"} />
             {ROLE_NAMES[role]}
           </button>
         ))}

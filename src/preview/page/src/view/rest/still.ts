@@ -39,6 +39,8 @@ export class Still {
     private readonly draw: Draw,
     /** Draws a plain picture in place of a draft. */
     private readonly sharpen: () => void,
+    /** Hears whether the picture on the canvas is the last one. */
+    private readonly tell: (isFinal: boolean) => void,
   ) {}
 
   /** A plain picture was drawn, and the next one may be the same. */
@@ -46,7 +48,9 @@ export class Still {
     this.stop();
     this.#isDraft = isDraft;
     const rest = Math.max(REST, (isDraft ? 1 : REST_SAMPLES) * this.#duration);
-    if (Mean.fits(this.renderer)) this.#timer = window.setTimeout(() => this.#await(), rest);
+    const fits = Mean.fits(this.renderer);
+    this.tell(!fits);
+    if (fits) this.#timer = window.setTimeout(() => this.#await(), rest);
   }
 
   stop(): void {
@@ -114,6 +118,7 @@ export class Still {
   #show(): void {
     this.#mean?.show(null);
     this.count = this.#next;
+    this.tell(this.#next >= this.#total);
   }
 
   /** Whether the last part is done, so that a change has to wait for one at most. */
