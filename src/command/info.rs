@@ -272,7 +272,14 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
         garment.corners.len(),
         garment.holes.len()
     );
-    let _ = writeln!(out, "  mirror   {}", mirror(garment));
+    let mirror = mirror(garment).map_or_else(
+        || "no plane of symmetry".to_owned(),
+        |found| {
+            let share = (100.0 * found.share).floor();
+            format!("plane {} = {:.4}, {share} % of the faces have a twin", found.axis_name(), found.at)
+        },
+    );
+    let _ = writeln!(out, "  mirror   {mirror}");
     let _ = writeln!(out, "  drawn    purpose {}, visibility {}", facts.purpose, facts.visibility);
     for op in &facts.transform {
         let _ = writeln!(out, "  xform    {} {}", op.name, op.value);
@@ -327,13 +334,8 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
 }
 
 /// The plane of symmetry of a garment, in the stage's directions and units.
-fn mirror(garment: &Mesh) -> String {
-    let sets = SetEvaluator::new(garment, "");
-    let in_words = |found: &Symmetry| {
-        let share = (100.0 * found.share).floor();
-        format!("plane {} = {:.4}, {share} % of the faces have a twin", found.axis_name(), found.at)
-    };
-    sets.symmetry().map_or_else(|| "no plane of symmetry".to_owned(), in_words)
+fn mirror(garment: &Mesh) -> Option<Symmetry> {
+    SetEvaluator::new(garment, "").symmetry().cloned()
 }
 
 /// The panels of a garment, and what is sewn.

@@ -4,7 +4,8 @@ mod images;
 
 use super::document::{Options, changed};
 use super::messages::{
-    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet,
+    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis,
+    VariantSet,
 };
 use glam::Vec3;
 use serde_json::Value;
@@ -236,10 +237,11 @@ fn message(
     .to_text()
 }
 
-fn mirror(garment: &Mesh) -> Option<MirrorInfo> {
+fn mirror(garment: &Mesh) -> Option<Box<MirrorInfo>> {
     let sets = SetEvaluator::new(garment, "");
     let twins = sets.twins(&garment.subsets);
-    sets.symmetry().map(|found| MirrorInfo { axis: found.axis_name(), share: found.share, twins })
+    let found = sets.symmetry()?;
+    Some(Box::new(MirrorInfo { axis: found.axis_name(), share: found.share, twins }))
 }
 
 fn suggested(source: &Source, input: &Input) -> SaveTargets {

@@ -35,7 +35,7 @@ pub struct GarmentMessage<'a> {
     /// Its sets.
     pub sets: Vec<SetInfo<'a>>,
     /// The plane of symmetry, if it has one.
-    pub mirror: Option<MirrorInfo>,
+    pub mirror: Option<Box<MirrorInfo>>,
     /// Looks of its materials: of the mesh, and of sets that have their own.
     pub looks: Vec<LookInfo<'a>>,
     /// Its primvars.

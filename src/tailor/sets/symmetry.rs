@@ -224,7 +224,8 @@ impl<'a> Search<'a> {
         }
         let sorted = |face: FaceId| t.faces.vertices_of(face).iter().copied().collect::<BTreeSet<_>>();
         for &face in piece {
-            let own: Option<BTreeSet<VertexId>> = sorted(face).into_iter().map(|vertex| self.vertices[vertex]).collect();
+            let own: Option<BTreeSet<VertexId>> =
+                sorted(face).into_iter().map(|vertex| self.vertices[vertex]).collect();
             let Some((first, own)) = own.and_then(|own| Some((*own.first()?, own))) else { continue };
             let around = t.vertex_corners.row(first).iter().map(|&corner| t.faces.face_of(corner));
             self.faces[face] = self.faces[face].or_else(|| around.into_iter().find(|&other| sorted(other) == own));

@@ -65,9 +65,11 @@ pub fn onward(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
             corners.flat_map(|&c| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]]).collect();
         let fits = |edge: &EdgeId| !set.contains_key(edge) && straight(*edge) > STRAIGHT;
         // A line that the garment has comes before the edges of its faces.
-        let next = around.iter().copied().filter(fits).max_by(|a, b| {
-            is_line(a).cmp(&is_line(b)).then(straight(*a).total_cmp(&straight(*b)))
-        });
+        let next = around
+            .iter()
+            .copied()
+            .filter(fits)
+            .max_by(|a, b| is_line(a).cmp(&is_line(b)).then(straight(*a).total_cmp(&straight(*b))));
         ahead.extend(next.map(|edge| (edge, [end, other_end(t, edge, end)])));
     }
     let found = loops_of(of, arguments, ahead)?;
