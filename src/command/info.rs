@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::recipe::named_sets;
-use tailor::sets::ListedSet;
+use tailor::sets::{ListedSet, SetEvaluator, Symmetry};
 use tailor_costume::trim::Ride;
 use tailor_costume::{Builder, Plan, Recipe};
 use tailor_mesh::error::{Error, ErrorKind, Fault, Warnings};
@@ -272,6 +272,14 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
         garment.corners.len(),
         garment.holes.len()
     );
+    let mirror = mirror(garment).map_or_else(
+        || "no plane of symmetry".to_owned(),
+        |found| {
+            let share = (100.0 * found.share).floor();
+            format!("plane {} = {:.4}, {share} % of the faces have a twin", found.axis_name(), found.at)
+        },
+    );
+    let _ = writeln!(out, "  mirror   {mirror}");
     let _ = writeln!(out, "  drawn    purpose {}, visibility {}", facts.purpose, facts.visibility);
     for op in &facts.transform {
         let _ = writeln!(out, "  xform    {} {}", op.name, op.value);
@@ -323,6 +331,11 @@ fn describe_mesh(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());
     }
+}
+
+/// The plane of symmetry of a garment, in the stage's directions and units.
+fn mirror(garment: &Mesh) -> Option<Symmetry> {
+    SetEvaluator::new(garment, "").symmetry().cloned()
 }
 
 /// The panels of a garment, and what is sewn.

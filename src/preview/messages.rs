@@ -12,7 +12,7 @@ mod selection;
 mod shot;
 
 pub use build::{BuildMessage, BuildStatus};
-pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use presets::{PresetSavedMessage, PresetsMessage};
 pub use product::{ClothMessage, Figures, ProductMessage, lengths};

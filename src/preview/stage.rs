@@ -4,14 +4,15 @@ mod images;
 
 use super::document::{Options, changed};
 use super::messages::{
-    FitMessage, GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet,
+    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis,
+    VariantSet,
 };
 use glam::Vec3;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
-use tailor::sets::checksum;
+use tailor::sets::{SetEvaluator, checksum};
 use tailor_costume::cloth::{FABRICS, Fabric};
 use tailor_costume::fit::faces_through;
 use tailor_costume::pipeline::Builder;
@@ -223,6 +224,7 @@ fn message(
         mean_edge: decimal(checks.mean_edge_length()),
         checksum: checksum(&garment.faces),
         sets: shown.subsets.iter().map(SetInfo::from).collect(),
+        mirror: mirror(shown),
         looks: looks.map(|(set, look)| LookInfo::new(set, look, images.address(look))).collect(),
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),
@@ -233,6 +235,13 @@ fn message(
         warnings: warnings.iter().collect(),
     })
     .to_text()
+}
+
+fn mirror(garment: &Mesh) -> Option<Box<MirrorInfo>> {
+    let sets = SetEvaluator::new(garment, "");
+    let twins = sets.twins(&garment.subsets);
+    let found = sets.symmetry()?;
+    Some(Box::new(MirrorInfo { axis: found.axis_name(), share: found.share, twins }))
 }
 
 fn suggested(source: &Source, input: &Input) -> SaveTargets {

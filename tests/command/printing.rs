@@ -174,6 +174,23 @@ fn info_tells_which_way_normals_point() {
 }
 
 #[test]
+fn info_tells_the_plane_of_symmetry() {
+    let folder = with_cloth();
+    let sheet = |points: &str| {
+        format!(
+            "#usda 1.0\ndef Mesh \"sheet\" {{\n int[] faceVertexCounts = [4, 4, 3]\n int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4, 3, \
+             4, 5]\n point3f[] points = [{points}]\n}}\n"
+        )
+    };
+    folder.file("even.usda", sheet("(-1, 0, 0), (0, 0, 0.1), (1, 0, 0), (-1, 1, 0), (0, 1, 0.1), (1, 1, 0)"));
+    folder.file("odd.usda", sheet("(-1, 0, 0), (0.5, 0, 0.1), (1, 0, 0), (-1, 1, 0), (0, 1, 0.7), (3, 1, 0)"));
+    folder.good("info even.usda").prints(&["  mirror   plane x = 0.0000, 100 % of the faces have a twin\n"]);
+    folder.good("info odd.usda").prints(&["  mirror   no plane of symmetry\n"]);
+    let found: Value = serde_json::from_str(&folder.good("info even.usda --json").stdout).expect("JSON");
+    assert_eq!(found["inputs"][0]["mesh"]["mirror"]["axis"], "x");
+}
+
+#[test]
 fn help_is_grouped_and_gives_units() {
     let folder = with_cloth();
     let run = folder.good("build --help");

@@ -127,14 +127,14 @@ test("a seam without edges is an error in its card until it has some", async (t)
   const before = await preview.meshes();
   await preview.openCard("seam.side");
   const row = preview.row("seam.side.edges");
-  await row.getByRole("button", { name: "Remove side_seams" }).click();
+  await row.getByRole("button", { name: "Remove side seams" }).click();
   await row.getByRole("alert").waitFor();
   assert.equal(await row.getByRole("group", { name: "Edges" }).getAttribute("aria-invalid"), "true");
   assert.match(await preview.card("seam.side").getAttribute("class"), /has-fault/);
   await preview.quiet();
   assert.deepEqual(await preview.meshes(), before);
   await row.getByRole("button", { name: "Add to Edges" }).click();
-  const menu = page.getByRole("menuitem", { name: "chest_line" });
+  const menu = page.getByRole("menuitem", { name: "chest line" });
   await preview.after("render", () => menu.click());
   assert.equal(await page.locator(".fault, .banner").count(), 0);
   assert.doesNotMatch(await preview.card("seam.side").getAttribute("class"), /has-fault/);

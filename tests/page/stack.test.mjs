@@ -10,10 +10,10 @@ import { example } from "./support/server.mjs";
 test("an edge that is clicked on the model becomes a seam", async (t) => {
   const preview = await show(t, example("tshirt.usda"), { viewport: SCREEN });
   const { x, y } = await placeOf(preview, "chest_line");
-  assert.ok(await preview.page.locator(".hover-label", { hasText: "chest_line" }).isVisible());
+  assert.ok(await preview.page.locator(".hover-label", { hasText: "chest line" }).isVisible());
   await preview.page.mouse.click(x, y);
   const popover = preview.page.getByRole("dialog", { name: "What was clicked" });
-  const row = popover.locator(".pick-row", { hasText: "chest_line" });
+  const row = popover.locator(".pick-row", { hasText: "chest line" });
   const before = await preview.meshes();
   const after = await preview.after("render", () => row.getByRole("button", { name: "New seam" }).click());
   await popover.waitFor({ state: "detached" });

@@ -44,6 +44,7 @@ pub fn garment(
             "scheme": token(&garment.rules.scheme),
             "orientation": token(&garment.orientation),
             "normals": super::facing::facing(garment),
+            "mirror": super::mirror(garment).map(|found| json!({ "axis": found.axis_name(), "at": found.at, "share": found.share })),
             "creases": garment.creases.len(),
             "corners": garment.corners.len(),
             "holes": garment.holes.len(),

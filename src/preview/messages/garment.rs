@@ -34,6 +34,8 @@ pub struct GarmentMessage<'a> {
     pub checksum: String,
     /// Its sets.
     pub sets: Vec<SetInfo<'a>>,
+    /// The plane of symmetry, if it has one.
+    pub mirror: Option<Box<MirrorInfo>>,
     /// Looks of its materials: of the mesh, and of sets that have their own.
     pub looks: Vec<LookInfo<'a>>,
     /// Its primvars.
@@ -67,6 +69,18 @@ impl UpAxis {
     pub fn named(name: &str) -> Self {
         if name == "Z" { Self::Z } else { Self::Y }
     }
+}
+
+/// A plane of symmetry.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct MirrorInfo {
+    /// The axis that it is across: x, y or z.
+    pub axis: &'static str,
+    /// Share of the faces that have a twin.
+    pub share: f64,
+    /// The set on the other side of each set, by name; a set that lies on both sides has its own name.
+    pub twins: BTreeMap<String, String>,
 }
 
 /// A set of elements of the garment.

@@ -70,6 +70,11 @@ impl ElementSet {
         }
     }
 
+    /// True for an edge of the set.
+    pub fn contains_edge(&self, edge: EdgeId) -> bool {
+        matches!(self, Self::Edges(edges) if edges.contains_key(&edge))
+    }
+
     /// The points of its elements.
     pub fn points(&self, t: &Topology) -> BTreeSet<VertexId> {
         match self {

@@ -11,6 +11,7 @@ mod functions;
 mod list;
 mod pieces;
 mod select;
+mod symmetry;
 #[cfg(test)]
 mod tests;
 
@@ -20,15 +21,17 @@ pub use functions::FUNCTIONS;
 pub use functions::checksum;
 pub use list::ListedSet;
 pub use select::Change;
+pub use symmetry::Symmetry;
 
 use crate::codes;
 use elements::ElementSet;
 use evaluate::Evaluation;
 use expression::{Expression, Extreme};
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
 use tailor_mesh::connectivity::{Elements, Topology};
 use tailor_mesh::error::{Error, ErrorCode};
-use tailor_mesh::garment::Mesh;
+use tailor_mesh::garment::{Mesh, Subset};
 
 /// A fault of an expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,12 +87,24 @@ pub struct SetEvaluator<'a> {
     topology: Topology,
     /// The UV set of functions that name none.
     uv_set: &'a str,
+    symmetry: OnceCell<Option<Symmetry>>,
 }
 
 impl<'a> SetEvaluator<'a> {
     /// An evaluator for a garment and the UV set of functions that name none.
     pub fn new(garment: &'a Mesh, uv_set: &'a str) -> Self {
-        Self { garment, topology: Topology::new(garment.faces.clone(), garment.points.len()), uv_set }
+        let topology = Topology::new(garment.faces.clone(), garment.points.len());
+        Self { garment, topology, uv_set, symmetry: OnceCell::new() }
+    }
+
+    /// The plane of symmetry of the garment, if it has one.
+    pub fn symmetry(&self) -> Option<&Symmetry> {
+        self.symmetry.get_or_init(|| Symmetry::of(self.garment, &self.topology)).as_ref()
+    }
+
+    /// The name of the twin of each set that has one on the other side; a set that lies on both sides has its own name.
+    pub fn twins(&self, sets: &[Subset]) -> BTreeMap<String, String> {
+        self.symmetry().map_or_else(BTreeMap::new, |symmetry| symmetry.twins(&self.topology, sets))
     }
 
     /// The elements of an expression.

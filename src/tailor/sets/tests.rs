@@ -152,6 +152,11 @@ fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
     assert_eq!(replaced(&both).as_deref(), Some("borders.1 + uvSeams.1"));
     let sum = [(Change::Replace, seam_line.as_str()), (Change::Add, "borders - edges(weight(pin))")];
     assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - edges(weight(pin)))"));
+    // A row of quads goes on across the seam, and the seam across the row.
+    let half = picked("Edges", "10-11-12");
+    assert_eq!(replaced(&format!("onward({half})")), Some(picked("Edges", "10-11-12-13-14")));
+    let lower_seam = picked("Edges", "2-7-12");
+    assert_eq!(replaced(&format!("onward({lower_seam})")).as_deref(), Some("uvSeams.1"));
     let path = format!("path({}, {})", picked("Edges", "0-1"), picked("Edges", "3-4"));
     assert_eq!(replaced(&path), Some(picked("Edges", "0-1-2-3-4")));
     // Most of the three edges go up.
@@ -160,6 +165,55 @@ fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
     let faces = [(Change::Replace, "uvShells.1"), (Change::Remove, &picked("Faces", "1, 4-5"))];
     assert_eq!(expression(&faces), Some(picked("Faces", "0, 8-9, 12-13")));
     assert_eq!(expression(&[(Change::Replace, &seam), (Change::Remove, "uvSeams")]), None);
+}
+
+#[test]
+fn a_path_keeps_to_a_seam_and_goes_straight_on() {
+    let garment = garment();
+    let sets = SetEvaluator::new(&garment, "st");
+    let path = |from: &str, to: &str| {
+        let text = format!("path({}, {})", picked("Edges", from), picked("Edges", to));
+        sets.select("", Change::Replace, &text, &[]).expect("a path").expect("edges").expression
+    };
+    // Of the shortest ways from below to above right, the one along the seam.
+    assert_eq!(path("6-7", "17-18"), picked("Edges", "6-7-12-17-18"));
+    // Of those beside the seam, one with two turns.
+    assert_eq!(path("3-8", "14-19"), picked("Edges", "3-8-9-14-19"));
+}
+
+/// A strip of quads around two rows, with points that `place` moves.
+fn posed(place: impl Fn(usize, [f32; 3]) -> [f32; 3], has_face: impl Fn(usize) -> bool) -> Mesh {
+    let mut input: Garment = grid(6, 4, |x, y| has_face(6 * y + x));
+    for (number, point) in input.points.iter_mut().enumerate() {
+        *point = place(number, [point.x, point.y, 0.1 * (point.x - 3.0).powi(2) + 0.3 * point.y]).into();
+    }
+    check_garment(input).expect("a good mesh").0
+}
+
+#[test]
+fn a_plane_of_symmetry_is_found_by_topology_and_else_by_place() {
+    let twin_of = |garment: &Mesh, numbers: &str| {
+        let sets = SetEvaluator::new(garment, "st");
+        let text = format!("mirror(pickedEdges(\"{}\", \"{numbers}\"))", checksum(&garment.faces));
+        let found = sets.evaluate(&text).map(|set| set.elements);
+        let symmetry = sets.symmetry().map(|found| (found.axis_name(), found.at, found.share));
+        (symmetry, found)
+    };
+    let even = posed(|_, place| place, |_| true);
+    let edge = |ends: [usize; 2]| Elements::Edges(vec![ends.map(tailor_mesh::connectivity::VertexId::new)]);
+    // The twin runs the other way, so that the left of the edge stays its left.
+    assert_eq!(twin_of(&even, "7-8"), (Some(("x", 3.0, 1.0)), Ok(edge([12, 13]))));
+    // One arm is raised: its points have no twin in place.
+    let raised = posed(|_, [x, y, z]| [x, y + if x > 4.5 { 3.0 } else { 0.0 }, z], |_| true);
+    assert_eq!(twin_of(&raised, "7-8"), (Some(("x", 3.0, 1.0)), Ok(edge([12, 13]))));
+    // One side has a hole.
+    let torn = posed(|_, place| place, |face| face != 16);
+    let (symmetry, found) = twin_of(&torn, "7-8");
+    assert_eq!((symmetry.map(|(axis, at, _)| (axis, at)), found), (Some(("x", 3.0)), Ok(edge([12, 13]))));
+    assert!(symmetry.is_some_and(|(.., share)| share > 0.9 && share < 1.0));
+    let skewed = posed(|number, [x, y, z]| [x + 0.3 * y + 0.02 * (number * number % 7) as f32, y, z * x], |_| true);
+    let (symmetry, found) = twin_of(&skewed, "7-8");
+    assert!(symmetry.is_none() && found.is_err_and(|fault| fault.text.contains("no plane of symmetry")));
 }
 
 #[test]

@@ -37,10 +37,10 @@ async function launched() {
 after(async () => (await browser)?.close());
 
 /** Runs in a page: an artist who has chosen columns beside one another, where each mesh is as large as the others, and no
- *  shadows, which are slow without a graphics card. */
+ *  shadows, which are slow without a graphics card, and who picks one side of a garment at a time. */
 function chooseColumns() {
   const key = "usdtailor.preview";
-  if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side", shadows: false }));
+  if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side", shadows: false, symmetric: false }));
 }
 
 /** Runs in a page: a graphics card that is never done with the first sample of a picture at rest. Without a card, the others

@@ -2,6 +2,7 @@
 
 mod edges;
 pub mod faces;
+mod mirror;
 mod paths;
 pub mod picked;
 pub mod points;
@@ -65,8 +66,12 @@ functions! {
         "All points, or the points of a set of edges or faces";
     "loops(edges), loops(edges, st)" loops [1, 2] => edges by paths::loops:
         "The border, UV seam, crease or edge loop through each edge: seams and creases up to where three meet, edge loops through vertices of four quads";
+    "onward(edges), onward(edges, st)" onward [1, 2] => edges by paths::onward:
+        "A set of edges with what goes on straight at its ends, through junctions: the border, UV seam, crease or edge loop there";
     "path(set, set)" path [2, 2] => elements by paths::path:
-        "The shortest path between two sets of edges or of faces, with those that it begins and ends with";
+        "The path between two sets of edges or of faces, with those that it begins and ends with; edges keep to borders, UV seams and creases, and go straight on, where that is up to twice as long";
+    "mirror(set)" mirror [1, 1] => elements by mirror::mirror:
+        "The elements on the other side of the plane of symmetry";
     "pickedEdges(checksum, numbers)" pickedEdges [2, 2] => edges by picked::edges:
         "Edges by the numbers of their points, such as \"4-5-6, 9-8\", of the mesh with this checksum; the preview writes them";
     "pickedFaces(checksum, numbers)" pickedFaces [2, 2] => faces by picked::faces:

@@ -5,7 +5,7 @@ use crate::sets::SetFault;
 use crate::sets::elements::ElementSet;
 use crate::sets::evaluate::{Arguments, Evaluation};
 use crate::sets::expression::Operation;
-use crate::sets::pieces::{oriented, other_end, pieces};
+use crate::sets::pieces::{edges_at, oriented, other_end, pieces};
 use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -13,13 +13,23 @@ use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, Id, IdVec, Topology, V
 
 type Found = Result<ElementSet, SetFault>;
 
+/// Edges in their directions.
+type Directed = BTreeMap<EdgeId, [VertexId; 2]>;
+
 pub fn loops(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    loops_of(of, arguments, arguments.edges(of, 0)?)
+}
+
+/// The lines that the garment has, the first before the others.
+fn lines_of(of: &Evaluation<'_>, arguments: &Arguments<'_>, uv_set: usize) -> Result<[ElementSet; 3], SetFault> {
+    Ok([borders(of, arguments)?, uv_seams_of(of, arguments, uv_set)?, creases_from(of, f64::MIN_POSITIVE)])
+}
+
+fn loops_of(of: &Evaluation<'_>, arguments: &Arguments<'_>, mut wanted: Directed) -> Found {
     let t = &of.sets.topology;
-    let mut wanted = arguments.edges(of, 0)?;
     let mut found = BTreeMap::new();
     // Lines that the garment has come before rows of its quads.
-    let lines = [borders(of, arguments)?, uv_seams_of(of, arguments, 1)?, creases_from(of, f64::MIN_POSITIVE)];
-    for lines in lines {
+    for lines in lines_of(of, arguments, 1)? {
         for piece in pieces(t, &lines) {
             let ElementSet::Edges(piece) = piece else { continue };
             if piece.keys().any(|edge| wanted.contains_key(edge)) {
@@ -35,6 +45,35 @@ pub fn loops(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
         }
     }
     ElementSet::Edges(found).combine(Operation::Union, oriented(t, &rows))
+}
+
+/// The cosine of the largest turn at which a line goes straight on.
+const STRAIGHT: f64 = 0.5;
+
+pub fn onward(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let set = arguments.edges(of, 0)?;
+    let at = |v: VertexId| of.sets.garment.points[v].as_dvec3();
+    let lines = lines_of(of, arguments, 1)?;
+    let is_line = |edge: &EdgeId| lines.iter().any(|lines| lines.contains_edge(*edge));
+    let mut ahead = Directed::new();
+    for (&end, edges) in edges_at(t, set.keys()).iter().filter(|(_, edges)| edges.len() == 1) {
+        let way = (at(end) - at(other_end(t, edges[0], end))).normalize_or_zero();
+        let straight = |edge: EdgeId| way.dot((at(other_end(t, edge, end)) - at(end)).normalize_or_zero());
+        let corners = t.vertex_corners.row(end).iter();
+        let around: BTreeSet<EdgeId> =
+            corners.flat_map(|&c| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]]).collect();
+        let fits = |edge: &EdgeId| !set.contains_key(edge) && straight(*edge) > STRAIGHT;
+        // A line that the garment has comes before the edges of its faces.
+        let next = around
+            .iter()
+            .copied()
+            .filter(fits)
+            .max_by(|a, b| is_line(a).cmp(&is_line(b)).then(straight(*a).total_cmp(&straight(*b))));
+        ahead.extend(next.map(|edge| (edge, [end, other_end(t, edge, end)])));
+    }
+    let found = loops_of(of, arguments, ahead)?;
+    ElementSet::Edges(set).combine(Operation::Union, found)
 }
 
 /// The edges that follow one another across inner vertices of four quads.
@@ -66,14 +105,8 @@ pub fn path(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let at = |v: VertexId| garment.points[v].as_dvec3();
     match (arguments.set(of, 0)?, arguments.set(of, 1)?) {
         (ElementSet::Edges(from), ElementSet::Edges(to)) => {
-            let steps = |v: VertexId| {
-                let corners = t.vertex_corners.row(v).iter();
-                corners.flat_map(|&c| [t.faces.next(c), t.faces.prev(c)].map(|end| t.faces.vertex(end))).collect()
-            };
-            let ends = |set: &BTreeMap<EdgeId, [VertexId; 2]>| set.values().flatten().copied().collect();
-            let way = shortest(t.vertex_count(), &ends(&from), &ends(&to), steps, |a, b| at(a).distance(at(b)));
-            let edges = way.windows(2).filter_map(|ends| t.find_edge(ends[0], ends[1]));
-            Ok(oriented(t, &edges.chain(from.into_keys()).chain(to.into_keys()).collect()))
+            let way = along_lines(of, arguments, &from, &to)?;
+            Ok(oriented(t, &way.into_iter().chain(from.into_keys()).chain(to.into_keys()).collect()))
         }
         (ElementSet::Faces(from), ElementSet::Faces(to)) => {
             let centre = |face: FaceId| {
@@ -92,6 +125,41 @@ pub fn path(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
             Err(SetFault::new(text, "give two sets of edges, or two sets of faces"))
         }
     }
+}
+
+/// How much longer than an edge of a line any other edge counts, and a turn by a right angle counts as so much of an edge.
+const OFF_LINE: f64 = 2.0;
+const TURN: f64 = 0.5;
+
+/// The way from one set of edges to another, edge by edge, that keeps to lines of the garment and goes straight on.
+fn along_lines(
+    of: &Evaluation<'_>,
+    arguments: &Arguments<'_>,
+    from: &Directed,
+    to: &Directed,
+) -> Result<Vec<EdgeId>, SetFault> {
+    let t = &of.sets.topology;
+    let at = |v: VertexId| of.sets.garment.points[v].as_dvec3();
+    let lines = lines_of(of, arguments, 2)?;
+    let vector = |[a, b]: [VertexId; 2]| at(b) - at(a);
+    let cost = |edge: EdgeId| {
+        let is_line = lines.iter().any(|lines| lines.contains_edge(edge));
+        vector(t.edges[edge]).length() * if is_line { 1.0 } else { OFF_LINE }
+    };
+    let shared = |a: EdgeId, b: EdgeId| t.edges[a].into_iter().find(|v| t.edges[b].contains(v));
+    let steps = |edge: EdgeId| {
+        let corners = t.edges[edge].into_iter().flat_map(|v| t.vertex_corners.row(v));
+        corners.flat_map(|&c| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]]).collect()
+    };
+    let distance = |a: EdgeId, b: EdgeId| {
+        let turn = shared(a, b).map_or(0.0, |v| {
+            let [before, after] = [[other_end(t, a, v), v], [v, other_end(t, b, v)]].map(vector);
+            1.0 - before.normalize_or_zero().dot(after.normalize_or_zero())
+        });
+        0.5 * (cost(a) + cost(b)) + TURN * turn * vector(t.edges[b]).length()
+    };
+    let [from, to] = [from, to].map(|set| set.keys().copied().collect());
+    Ok(shortest(t.edges.len(), &from, &to, steps, distance))
 }
 
 /// The shortest way from one of `from` to one of `to`; empty if there is none (Dijkstra).

@@ -261,6 +261,8 @@ export type GarmentMessage = {
   checksum: string,
   /** Its sets. */
   sets: Array<SetInfo>,
+  /** The plane of symmetry, if it has one. */
+  mirror: MirrorInfo | null,
   /** Looks of its materials: of the mesh, and of sets that have their own. */
   looks: Array<LookInfo>,
   /** Its primvars. */
@@ -337,6 +339,16 @@ export type MeshHeader = {
   times: Times,
   /** Places of the blocks that are there. */
   blocks: Blocks,
+};
+
+/** A plane of symmetry. */
+export type MirrorInfo = {
+  /** The axis that it is across: x, y or z. */
+  axis: string,
+  /** Share of the faces that have a twin. */
+  share: number,
+  /** The set on the other side of each set, by name; a set that lies on both sides has its own name. */
+  twins: { [key in string]: string },
 };
 
 /** The type of the numbers in a block. */

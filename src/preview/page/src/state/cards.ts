@@ -3,7 +3,7 @@
 import type { Fields, Value } from "../server/options";
 import type { Stacked } from "../server/protocol";
 import type { Garment, Kind } from "./garment";
-import { fullName, instanceAt, valueAt, type Operator } from "./recipe";
+import { fullName, instanceAt, setsOf, valueAt, type Operator } from "./recipe";
 import type { State } from "./state";
 import type { Change, Store } from "./store";
 
@@ -28,11 +28,23 @@ export function clickCard(store: Store, full: string): void {
   store.update({ chosen, anchor: full });
 }
 
-/** The selected operators of the kind of one of them; it alone if it is not selected. */
+/** The selected operators of the kind of one of them, or else it alone; with the twins of all. */
 export function together(state: State, operator: Stacked): Stacked[] {
   const { chosen, document } = state;
-  if (!chosen.has(operator.full)) return [operator];
-  return document.stack.filter(({ full, kind }) => kind === operator.kind && chosen.has(full));
+  const isAlone = !chosen.has(operator.full);
+  const all = isAlone ? [operator] : document.stack.filter(({ full, kind }) => kind === operator.kind && chosen.has(full));
+  return [...new Set([...all, ...all.flatMap((each) => twinOf(state, each) ?? [])])];
+}
+
+/** The operator of the same kind on the other side of a symmetric garment; it itself if it has both sides. Without symmetry there
+ *  is none. */
+export function twinOf({ settings, garment, document }: State, operator: Stacked): Stacked | undefined {
+  const twins = settings.symmetric ? garment?.mirror?.twins : undefined;
+  if (!garment || !twins) return undefined;
+  const sets = (each: Stacked) => setsOf(document.merged, each, garment.kinds);
+  const others = sets(operator).map((name) => twins[name] ?? "");
+  const isTwin = (each: Stacked) => each.kind === operator.kind && sets(each).sort().join() === others.sort().join();
+  return others.length > 0 ? document.stack.find(isTwin) : undefined;
 }
 
 /** The keys of an option in all cards that are edited together. */

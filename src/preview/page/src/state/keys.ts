@@ -19,6 +19,7 @@ export const KEYS: [string, string][] = [
   ["Ctrl B", "Build what is saved"],
   ["Space", "Play the cache, or pause; with , and . a frame back and on"],
   ["F", "Frame what is marked, or everything"],
+  ["[ ]", "The previous and the next place of the marked warning"],
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
   ["Shift 1 2 3", "Show one of them alone, and again all"],
@@ -32,8 +33,9 @@ export const KEYS: [string, string][] = [
   ["Shift Drag", "On a slider or a number: a tenth of the way"],
   ["Drag", "Turn the view; with the right button or Shift, pan"],
   ["Wheel", "Zoom to the pointer"],
-  ["Click", "Select an edge or a face of the model; with Shift add, with Alt take away, with Ctrl add the path to it"],
-  ["L", "Select the whole border, seam or loop of an edge, the whole UV shell of a face"],
+  ["Y", "Select and edit both sides of a symmetric garment at once, or one"],
+  ["Click", "Select the edge or the face of the model there, on any mesh; with Shift add, with Alt take away, with Ctrl add the path to it"],
+  ["L", "Select the whole border, seam or loop of an edge, again: straight on; the whole UV shell of a face"],
   ["M", "Select all faces with the material of the selected ones"],
   ["B", "Select the border of the selected faces"],
   ["+ −", "Select one row of faces more or less around the selection"],
@@ -89,6 +91,8 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "i") store.toggleIsolated();
   if (key === "x" && !event.repeat) store.toggleSplit();
   if (key === "w") store.settings({ wires: !settings.wires });
+  if (key === "[" || key === "]") store.visit((store.state.place?.at ?? 0) + (key === "]" ? 1 : -1));
+  if (key === "y" && store.state.garment?.mirror) store.settings({ symmetric: !settings.symmetric });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
   if (key === "c" && !event.repeat && document.canUndo) compare(store, earlier);
@@ -163,9 +167,9 @@ export function toggleRole(store: Store, index: number): void {
   if (next.length > 0) store.settings({ roles: next });
 }
 
-/** What a space presses. */
+/** What a space presses; a slider is only focused. */
 function isButton(target: EventTarget | null): boolean {
-  return target instanceof HTMLElement && target.closest("button, input, select, [data-card]") !== null;
+  return target instanceof HTMLElement && target.closest("button, input:not([type=range]), select, [data-card]") !== null;
 }
 
 /** A field with text that is not taken yet has an undo of its own. */

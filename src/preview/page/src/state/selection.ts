@@ -53,11 +53,16 @@ export class Selector {
   /** The last element that was picked, from which a path begins. */
   #last: { kind: SetKind; set: string } | null = null;
   #rows: Rows | null = null;
+  /** Whether the server was asked for a loop, and the last one that it found. */
+  #isLoop = false;
+  #loop: Selection | null = null;
 
   constructor(
     private readonly send: (message: PageMessage) => void,
     private readonly show: (selection: Selection | null) => void,
     private readonly refuse: (reason: string) => void,
+    /** Whether both sides of the garment are picked at once. */
+    private readonly isSymmetric: () => boolean,
   ) {}
 
   get canUndo(): boolean {
@@ -68,26 +73,31 @@ export class Selector {
     return this.#future.length > 0;
   }
 
-  /** Takes what was clicked on the model. */
-  pick(picked: Picked, how: PickHow, { checksum, points }: Garment): void {
+  /** Takes the element of the model that was clicked. */
+  pick(picked: Picked, how: PickHow, { checksum }: Garment): void {
     const kind = how === "replace" || !this.#selection ? (picked.edge ? "edge" : "face") : this.#selection.kind;
     if (kind === "edge" && !picked.edge) return this.refuse("Edges are selected; click an edge");
-    if (kind === "edge" && picked.edge?.some((point) => point >= points)) {
-      return this.refuse("This edge is of the display smoothing; turn it to 0 to pick edges");
-    }
     const numbers = kind === "edge" ? picked.edge?.join("-") : String(picked.face);
     const set = `picked${kind === "edge" ? "Edges" : "Faces"}("${checksum}", "${numbers}")`;
     const from = this.#last;
     this.#last = { kind, set };
-    if (how === "path") this.#add(() => ({ change: "add", set: from?.kind === kind ? `path(${from.set}, ${set})` : set }));
-    else this.#add(() => ({ change: how, set }));
+    const taken = how === "path" && from?.kind === kind ? `path(${from.set}, ${set})` : set;
+    const both = this.isSymmetric() ? `${taken} + mirror(${taken})` : taken;
+    this.#add(() => ({ change: how === "path" ? "add" : how, set: both }));
   }
 
-  /** Goes on from the selection by the way of a key. */
+  /** Goes on from the selection by the way of a key; from a whole loop of edges, straight through the junctions at its ends. */
   go(key: string): void {
     this.#add((before) => {
-      const way = WAYS.find((way) => way.key === key && way.of === before?.kind);
-      return way && before ? { change: "replace", set: way.set(before.expression) } : null;
+      const ways = WAYS.filter((way) => way.key === key);
+      const way = ways.find((way) => way.of === before?.kind);
+      if (!before || !way) {
+        this.refuse(`${ways.map(({ label }) => label).join(" and ")}: select ${ways.map(({ of }) => `${of}s`).join(" or ")} first`);
+        return null;
+      }
+      this.#isLoop = way.label === "Loop";
+      const goesOn = this.#isLoop && before === this.#loop;
+      return { change: "replace", set: goesOn ? `onward(${before.expression})` : way.set(before.expression) };
     });
   }
 
@@ -187,6 +197,12 @@ export class Selector {
     else if (!elements && change !== "remove") this.refuse("The set has no elements");
     else if (!elements) this.#step(null);
     else this.#step({ expression, ...countOf(elements), elements, size, isClosed });
+    if (this.#isLoop && !fault) {
+      const isWhole = this.#loop?.count === this.#selection?.count && this.#loop?.expression === this.#selection?.expression;
+      if (isWhole) this.refuse("Nothing goes on straight from here");
+      this.#loop = this.#selection;
+    }
+    this.#isLoop = false;
     this.#next();
   }
 
@@ -222,6 +238,11 @@ function countOf(elements: Elements): { kind: SetKind; count: number } {
   if ("edges" in elements) return { kind: "edge", count: elements.edges.length };
   if ("faces" in elements) return { kind: "face", count: elements.faces.length };
   return { kind: "point", count: elements.points.length };
+}
+
+/** A set or an expression in words: a name such as `left_armhole` is that of a file. */
+export function wordsOf(set: string): string {
+  return /^\w+$/.test(set) ? set.replaceAll("_", " ") : shortName(set);
 }
 
 /** An expression as the panel shows it: numbers of elements say nothing to an artist. */

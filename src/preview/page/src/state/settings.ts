@@ -19,6 +19,8 @@ export interface Settings {
   shadows: boolean;
   /** The body under the garment. */
   body: boolean;
+  /** Both sides of a symmetric garment are selected and edited at once. */
+  symmetric: boolean;
   /** Refinements for display. */
   smooth: number;
   theme: "light" | "dark";
@@ -42,6 +44,7 @@ const DEFAULTS: Settings = {
   flat: false,
   shadows: true,
   body: true,
+  symmetric: true,
   smooth: 0,
   theme: "light",
   figures: false,

@@ -6,7 +6,7 @@ import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/pro
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
-import type { Picked, Plan } from "../view/api";
+import type { Outline, Picked, Plan } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import { ROLES } from "../view/layout";
 import type { Timing } from "./stopwatch";
@@ -36,11 +36,15 @@ export interface State {
   fit: FitMessage | null;
   isPlaying: boolean;
   heat: DrawnValues | null;
+  /** Whether the picture is the last one, or a better one comes. */
+  isFinal: boolean;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
   drawn: number;
   lastEdit: Timing | null;
   settings: Settings;
   hovered: Picked | null;
+  /** What a click there takes, on all meshes. */
+  outlines: Outline[];
   clicked: Picked | null;
   selection: Selection | null;
   /** What is written on the flat panels. */
@@ -48,6 +52,8 @@ export interface State {
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
   marked: Finding | null;
+  /** Which of the places of the marked warning is in view, and how many there are; null of one. */
+  place: { at: number; count: number } | null;
   /** Whether a part of the garment is shown alone. */
   isolated: boolean;
   /** Where the line of a split view is, as a part of each column; null without one. */
@@ -108,15 +114,18 @@ export function initialState(): State {
     fit: null,
     isPlaying: false,
     heat: null,
+    isFinal: true,
     drawn: 0,
     lastEdit: null,
     settings: loadSettings(),
     hovered: null,
+    outlines: [],
     clicked: null,
     selection: null,
     plan: [],
     isSelecting: false,
     marked: null,
+    place: null,
     isolated: false,
     split: null,
     open: new Set(),

@@ -21,7 +21,7 @@ import { notePreset } from "./presets";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
 import { ROLES } from "../view/layout";
-import type { Isolated, Picked, PickHow, Plan, View } from "../view/api";
+import type { Isolated, Outline, Picked, PickHow, Plan, View } from "../view/api";
 
 /** An option with another value. */
 export interface Change {
@@ -44,6 +44,7 @@ export class Store {
     (message) => this.send(message),
     (selection) => this.#selected(selection),
     (text) => this.toast({ text }),
+    () => this.state.settings.symmetric && Boolean(this.state.garment?.mirror),
   );
   readonly made = new Made();
   /** The way through the steps that was asked for last, until the next edit. */
@@ -76,9 +77,10 @@ export class Store {
     onSystemTheme((theme) => this.#show({ theme }));
     try {
       this.view = createView(canvas, viewOptions(this.state.settings), {
-        hover: (hovered) => this.#hover(hovered),
+        hover: (hovered, outlines) => this.#hover(hovered, outlines),
         click: (clicked, how) => this.#click(clicked, how),
         plan: (plan) => this.#plan(plan),
+        final: (isFinal) => isFinal !== this.state.isFinal && this.update({ isFinal }),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });
     } catch (error) {
@@ -208,6 +210,15 @@ export class Store {
     if (hasElements && this.state.isolated) this.isolate(null);
     this.view?.mark(hasElements ? finding : null);
     this.highlight(null);
+    this.visit(0);
+  }
+
+  /** Flies to a place of the marked warning, where it has several; from the last to the first. */
+  visit(wanted: number): void {
+    const count = this.view?.placeCount() ?? 0;
+    const at = count > 0 ? (wanted + count) % count : 0;
+    if (count > 1) this.view?.flyToPlace(at);
+    this.update({ place: count > 1 ? { at, count } : null });
   }
 
   /** Without a change of the stored settings, which are the artist's own. */
@@ -263,9 +274,9 @@ export class Store {
   // ---- The view's events
 
   /** Edges are thin, so that a highlight under the pointer does not flicker as one of faces would. */
-  #hover(hovered: Picked | null): void {
+  #hover(hovered: Picked | null, outlines: Outline[]): void {
     this.#lastHovered = hovered ?? this.#lastHovered;
-    this.update({ hovered });
+    this.update({ hovered, outlines });
     const { document, garment } = this.state;
     const used = document.stack.flatMap((each) => setsOf(document.merged, each, garment?.kinds ?? []));
     const edges = (hovered?.sets ?? []).filter(({ kind, name }) => kind === "edge" && used.includes(name));
@@ -276,9 +287,8 @@ export class Store {
   #click(clicked: Picked | null, how: PickHow): void {
     this.update({ clicked: how === "replace" ? clicked : null });
     const { garment } = this.state;
-    if (clicked?.role === "model" && garment) this.selector.pick(clicked, how, garment);
-    else if (!clicked && how === "replace") this.selector.clear();
-    else if (clicked && how !== "replace") this.toast({ text: "Elements are picked on the model" });
+    if (clicked && garment) this.selector.pick(clicked, how, garment);
+    else if (how === "replace") this.selector.clear();
   }
 
   #selected(selection: Selection | null): void {

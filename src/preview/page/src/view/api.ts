@@ -1,6 +1,7 @@
 // The interface of the view. `view/index.ts` implements it.
 
 import type { MeshFrame } from "../server/frame";
+import type { Column } from "./layout";
 import type { Elements, GarmentMessage, Role, SetInfo, UpAxis } from "../server/protocol";
 
 /** A side from which the garment is seen. */
@@ -53,33 +54,40 @@ export interface Marked {
   isCrossing?: boolean;
 }
 
-/** What may be shown alone: the panel of a face of a mesh, faces of the model, panels that touch other elements, a face set. */
-export type Isolated = Pick<Picked, "role" | "face"> | Elements | string;
+/** What may be shown alone: the panel of a face of the model, faces, panels that touch other elements, a face set. */
+export type Isolated = Pick<Picked, "face"> | Elements | string;
 
-/** What is under the pointer. */
+/** What is under the pointer, on any mesh. */
 export interface Picked {
   role: Role;
-  /** Face of the mesh, also where refinement for display made more of it. */
+  /** The face of the model that is drawn there. */
   face: number;
-  /** The nearest edge of that face as a pair of points, if the pointer is within a few pixels of it. */
+  /** The nearest edge of the model as a pair of points, if the pointer is within a few pixels of it. */
   edge: [number, number] | null;
-  /** Sets of the edge, if there is one, then sets of the face. */
+  /** Sets of the edge of the mesh that is there, then sets of the face. */
   sets: PickedSet[];
   /** Place on the canvas. [CSS pixels] */
   x: number;
   y: number;
 }
 
+/** What a click takes, as a path of SVG in a column. [CSS pixels] */
+export interface Outline extends Pick<Column, "x" | "y" | "width" | "height"> {
+  path: string;
+}
+
 /** What a click does with the selection. `path` adds the shortest path from the last pick. */
 export type PickHow = "replace" | "add" | "remove" | "path";
 
 export interface ViewEvents {
-  /** The pointer rests on something else than before; null is nothing. */
-  hover(picked: Picked | null): void;
+  /** The pointer rests on something else than before, or it is drawn elsewhere; null is nothing. */
+  hover(picked: Picked | null, outlines: Outline[]): void;
   /** A click that is not a drag. */
   click(picked: Picked | null, how: PickHow): void;
   /** The flat panels were drawn elsewhere, or the meshes are in space again. */
   plan(plan: Plan): void;
+  /** Whether the picture is the last one, or a better one comes. */
+  final(isFinal: boolean): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
   drawn(role: Role, revision: number, upload: number): void;
 }
@@ -90,7 +98,7 @@ export interface PlanColumn {
   y: number;
   width: number;
   height: number;
-  /** Names of panels at their centres, with the breadths of the panels. */
+  /** Names of panels at the middle of their upper sides, with the breadths of the panels. */
   labels: { name: string; x: number; y: number; breadth: number }[];
   /** One mesh unit on the surface, or 0 if the scale of the UVs is not known. */
   unit: number;
@@ -119,8 +127,8 @@ export interface View {
   setOptions(options: ViewOptions): void;
   /** Up axis of the stage; the camera stands upright on it. */
   setUp(axis: UpAxis): void;
-  /** Looks of the model's materials, its sets, which get their colours, and metres in one of its units. */
-  setGarment(garment: Pick<GarmentMessage, "looks" | "sets" | "metersPerUnit">): void;
+  /** Looks of the model's materials, its sets, which get their colours, its number of points, and metres in one of its units. */
+  setGarment(garment: Pick<GarmentMessage, "looks" | "sets" | "points" | "metersPerUnit">): void;
   /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
   frame(): void;
   /** Moves the camera to a side of the garment, with all of it in view; flat panels have one side. */
@@ -129,6 +137,10 @@ export interface View {
   highlight(sets: string[]): void;
   /** Marks elements of the model on a mesh, visible through cloth, and flies there once it is drawn; null ends it. */
   mark(marked: Marked | null, flies?: boolean): void;
+  /** Number of connected places of what is marked. */
+  placeCount(): number;
+  /** Flies to one of them. */
+  flyToPlace(at: number): void;
   /** Draws selected elements of the model on all meshes, faint behind cloth; null ends it. */
   select(elements: Elements | null): void;
   /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */

@@ -1,6 +1,6 @@
 // Watches what the pointer rests on. One look is under way at a time, and none while the camera moves.
 
-import type { Picked, ViewEvents } from "./api";
+import type { Picked } from "./api";
 import type { Place } from "./input";
 import { describe, NOTHING } from "./picking";
 import type { Picker, Seen, Spot } from "./picking";
@@ -12,7 +12,7 @@ export class Hover {
   #looking = false;
   #again = false;
   #frame = 0;
-  #last = "";
+  #last = "null";
   #sets = "";
   /** What is at the pointer, and the place where it was found. */
   #found: { at: Place; seen: Seen } | null = null;
@@ -20,7 +20,7 @@ export class Hover {
   constructor(
     private readonly picker: Picker,
     private readonly spotAt: (at: Place) => Spot | null,
-    private readonly tell: ViewEvents["hover"],
+    private readonly tell: (picked: Picked | null) => void,
     private readonly warm: (sets: string[]) => void,
   ) {}
 
@@ -75,7 +75,7 @@ export class Hover {
   }
 
   #set(picked: Picked | null): void {
-    const key = picked ? `${picked.role} ${picked.face} ${picked.edge?.join("-") ?? ""}` : "";
+    const key = JSON.stringify(picked && { ...picked, x: 0, y: 0 });
     if (key !== this.#last) {
       this.#last = key;
       this.tell(picked);

@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
-import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { Cloth } from "./mesh/cloth";
 import type { Content } from "./mesh/cloth";
 import { contentOf } from "./mesh/copy";
@@ -25,6 +25,7 @@ import { Markers } from "./markers";
 import type { Paint } from "./shade/paint";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
+import type { Draw } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { histogram, worstFace } from "./mesh/values";
@@ -49,6 +50,9 @@ class CanvasView implements View {
   readonly #hover: Hover;
   readonly #director: Director;
   #looks: LookInfo[] = [];
+  /** Points of the model, without those of its refinement for display. */
+  #points = 0;
+  #hovered: Picked | null = null;
   readonly #markers: Markers;
   /** Edge sets under the pointer. */
   #hot: string[] = [];
@@ -74,9 +78,9 @@ class CanvasView implements View {
     this.#markers = new Markers(this.#stage);
     this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
     this.#picker = new Picker(this.#stage.renderer);
-    this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample),
-    );
+    const parts: Draw = ({ sample: target }, sample) =>
+      this.#stage.parts({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample);
+    this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false), (is) => this.events.final(is));
     const hover = (picked: Picked | null): void => this.#hovers(picked);
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
@@ -151,8 +155,9 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
-  setGarment({ looks, sets, metersPerUnit }: Parameters<View["setGarment"]>[0]): void {
+  setGarment({ looks, sets, points, metersPerUnit }: Parameters<View["setGarment"]>[0]): void {
     this.#looks = looks ?? [];
+    this.#points = points;
     placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
     this.#stage.setLooks(this.#looks, () => this.#invalidate());
@@ -183,9 +188,21 @@ class CanvasView implements View {
 
   mark(marked: Marked | null, flies = true): void {
     this.#markers.marked = marked;
+    this.#markers.placeAt = 0;
     this.#fliesToMarks = marked !== null && flies;
     this.#placeMarkers();
     if (this.#fliesToMarks) this.#flyToMarks();
+    this.#invalidate();
+  }
+
+  placeCount(): number {
+    return this.#markers.places.length;
+  }
+
+  flyToPlace(at: number): void {
+    this.#markers.placeAt = at;
+    this.#fliesToMarks = true;
+    this.#flyToMarks();
     this.#invalidate();
   }
 
@@ -217,10 +234,7 @@ class CanvasView implements View {
     const model = this.#stage.cloths.get("model");
     if (!model) return null;
     if (typeof what === "string") return new Set(elementsOfSet(model, what)?.faces);
-    if ("role" in what) {
-      const { sources } = this.#stage.cloths.get(what.role) ?? model;
-      return panelsOf(model, new Set([sources ? sources[what.face] : what.face]));
-    }
+    if ("face" in what) return panelsOf(model, new Set([what.face]));
     return "faces" in what ? new Set(what.faces) : panelsOf(model, facesAt(model, what));
   }
 
@@ -248,8 +262,8 @@ class CanvasView implements View {
   }
 
   screenshot(): Promise<Blob> {
-    // What is new has no samples yet.
-    if (this.#awaited) this.#draw();
+    // What is new has no samples yet, and a draft has too few pixels.
+    if (this.#awaited || this.#stage.isDraft) this.#draw(false);
     this.#still.finish();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
@@ -261,7 +275,7 @@ class CanvasView implements View {
     const [across, up] = [width / ratio, this.#stage.height];
     const sheet = { width: across, height: up, ratio, columns: this.#columnsOf(across, up), isClear: true };
     return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...sheet, target }, this.#cameras, sample),
+      this.#stage.parts({ ...sheet, target }, this.#cameras, sample),
     );
   }
 
@@ -270,7 +284,7 @@ class CanvasView implements View {
     const turned = (share: number): void => {
       const [x, y, z, size, turn, tilt] = pose;
       this.#cameras.space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
-      this.#draw();
+      this.#draw(false);
       this.#still.finish(FILMED);
     };
     const blob = await film(this.canvas, seconds, turned).finally(() => this.#cameras.space.motion.jump(pose));
@@ -384,12 +398,18 @@ class CanvasView implements View {
     else this.#hover.look();
   }
 
-  #draw(): void {
-    this.#stage.resize();
-    const start = performance.now();
+  #drawPlain(isMoving: boolean): void {
+    this.#stage.resize(isMoving);
     this.#stage.draw(this.#stage.sheet(this.#columns), this.#cameras);
-    this.#still.restart();
+  }
+
+  /** A moving picture may be a draft. */
+  #draw(isMoving = true): void {
+    const start = performance.now();
+    this.#drawPlain(isMoving);
+    this.#still.restart(this.#stage.isDraft);
     this.#plan();
+    if (this.#hovered) this.#hovers(this.#hovered);
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
 
@@ -408,10 +428,10 @@ class CanvasView implements View {
   }
 
   #flyToMarks(): void {
-    const { onMarked } = this.#markers;
-    if (!onMarked || !this.options.roles.includes(onMarked.role)) return;
+    const { onPlace } = this.#markers;
+    if (!onPlace || !this.options.roles.includes(onPlace.role)) return;
     this.#fliesToMarks = false;
-    this.#director.flyTo(onMarked);
+    this.#director.flyTo(onPlace);
   }
 
   #moved<Moved extends Rig>(rig: Moved, move: (rig: Moved) => void): void {
@@ -456,25 +476,40 @@ class CanvasView implements View {
     const cloths = column && this.#stage.clothsOf(column);
     const role = column?.roles.filter((name) => cloths?.has(name)).at(-1);
     const cloth = role && cloths?.get(role);
-    if (!column || !cloth || (column.flat && !cloth.hasUvs)) return null;
+    const model = cloths?.get("model");
+    if (!column || !cloth || !model || (column.flat && !cloth.hasUvs)) return null;
     const { flat } = column;
     const rig = this.#cameras.of(flat);
     rig.place(aspectOf(column));
     this.#stage.uniforms.uFlat.value = flat;
-    return { role, cloth, column, camera: rig.camera, at, flat };
+    return { role, cloth, model, points: this.#points, column, camera: rig.camera, at, flat };
   }
 
   #hovers(picked: Picked | null): void {
-    const column = picked && this.#columnAt(picked);
-    const cloth = column && this.#stage.clothsOf(column).get(picked.role);
-    const elements = picked && { faces: [picked.face], edges: picked.edge ? [picked.edge] : [] };
-    const hovered = cloth && elements ? { role: picked.role, cloth, elements, flat: column.flat } : null;
-    this.#markers.hovered = hovered;
-    if (this.#director.ways.length > 1) {
-      this.#markers.placeHovered(this.#director.ways);
-      this.#invalidate();
-    }
-    this.events.hover(picked);
+    this.#hovered = picked;
+    this.events.hover(picked, picked ? this.#columns.flatMap((column) => this.#outlineIn(column, picked)) : []);
+  }
+
+  /** What a click on it takes, where it is drawn. */
+  #outlineIn(column: Column, { face, edge }: Picked): Outline[] {
+    const [model, cloth] = [this.#stage.cloths.get("model"), this.#stage.solidOf(column)];
+    if (!model || !cloth || column.split?.isKept) return [];
+    const { x, y, width, height, flat } = column;
+    const elements = this.#markers.carried(model, cloth, edge ? { edges: [edge] } : { faces: [face] });
+    const { segments, triangles } = shapesOf(cloth, elements, flat);
+    const rig = this.#cameras.of(flat);
+    rig.place(aspectOf(column));
+    const place = new Vector3();
+    const line = (corners: string[]) => `M${corners.join("L")}Z`;
+    const corner = (numbers: number[], at: number) => {
+      const on = toCanvas(place.fromArray(numbers, at).project(rig.camera), { ...column, x: 0, y: 0 });
+      return `${on.x.toFixed(1)} ${on.y.toFixed(1)}`;
+    };
+    const parts = (numbers: number[], size: number) =>
+      Array.from({ length: numbers.length / (3 * size) }, (_, part) =>
+        line(Array.from({ length: size }, (_, at) => corner(numbers, 3 * (size * part + at)))),
+      );
+    return [{ x, y, width, height, path: [...parts(segments, 2), ...parts(triangles, 3)].join("") }];
   }
 
   /** Thickens the edge set under the pointer. */

@@ -3,6 +3,7 @@
 import type { Role } from "../server/protocol";
 import type { Marked } from "./api";
 import type { Cloth } from "./mesh/cloth";
+import { placesIn } from "./mesh/panels";
 import { placeGlow, placeMarks } from "./mesh/shapes";
 import type { Elements } from "./mesh/shapes";
 import type { Marks } from "./mesh/marks";
@@ -22,17 +23,23 @@ export class Markers {
   /** Elements of the model. */
   selected: Elements | null = null;
   highlighted: ReadonlySet<string> = new Set();
-  /** What the pointer is on, and whether on the UV plane. */
-  hovered: (OnCloth & { flat: boolean }) | null = null;
   readonly #marks = new Carrying();
   readonly #selections = new Carrying();
+  readonly #hovers = new Carrying();
+  /** The place of the marks that is flown to. */
+  placeAt = 0;
+  #places: { of: Elements; model: Cloth; all: Elements[] } | null = null;
 
   constructor(private readonly stage: Stage) {}
 
   /** Places all markers on the meshes that are drawn, in space, on the UV plane, or both. */
   place(roles: Role[], ways: boolean[]): void {
     for (const flat of ways) this.#placeIn(roles, flat);
-    this.placeHovered(ways);
+  }
+
+  /** Elements of the model that the pointer is on, on one of the meshes. */
+  carried(model: Cloth, cloth: Cloth, elements: Elements): Elements {
+    return this.#hovers.of(model, cloth, elements);
   }
 
   #placeIn(roles: Role[], flat: boolean): void {
@@ -50,17 +57,23 @@ export class Markers {
     placeGlow(markers.glow, shown, this.highlighted, flat);
   }
 
-  /** What the pointer is on, where the same mesh is seen in the other way beside it. */
-  placeHovered(ways: boolean[]): void {
-    for (const flat of ways) {
-      const found = this.hovered?.flat === !flat ? this.hovered : null;
-      placeMarks(this.stage.markersOf(flat).hovered, found?.cloth, found?.elements ?? null, flat);
-    }
-  }
-
   /** The marked elements on their mesh; null while it is not there. */
   get onMarked(): OnCloth | null {
     return this.marked && this.#on(this.marked.role, this.marked.elements, this.#marks);
+  }
+
+  /** The connected places of the marks, the largest first. */
+  get places(): Elements[] {
+    const [of, model] = [this.marked?.elements, this.stage.cloths.get("model")];
+    if (!of || !model) return [];
+    if (this.#places?.of !== of || this.#places.model !== model) this.#places = { of, model, all: placesIn(model, of) };
+    return this.#places.all;
+  }
+
+  /** The place that is flown to, on the mesh of the marks. */
+  get onPlace(): OnCloth | null {
+    const place = this.places[this.placeAt];
+    return this.marked && (place ? this.#on(this.marked.role, place, this.#hovers) : this.onMarked);
   }
 
   #on(role: Role, elements: Elements, carrying: Carrying): OnCloth | null {

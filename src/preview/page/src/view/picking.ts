@@ -7,7 +7,7 @@ import type { Picked } from "./api";
 import type { Cloth } from "./mesh/cloth";
 import type { Place } from "./input";
 import type { Column } from "./layout";
-import { ownerOf } from "./mesh/shapes";
+import { cageCorners, sourceOf } from "./mesh/sources";
 import { nextCorner } from "./mesh/topology";
 
 /** How near the pointer is to an edge that is picked. [CSS pixels] */
@@ -25,6 +25,9 @@ const MOST_FACES = 24;
 export interface Spot {
   role: Role;
   cloth: Cloth;
+  /** The model, of which the elements are picked, and the number of its own points. */
+  model: Cloth;
+  points: number;
   column: Column;
   camera: Camera;
   at: Place;
@@ -107,15 +110,31 @@ function number(pixels: Uint8Array, at: number): number {
   return pixels[at + 3] === 0 ? -1 : pixels[at] + 256 * pixels[at + 1] + 65536 * pixels[at + 2] - 1;
 }
 
-/** Everything about a face that is seen at the spot, or else around it. */
+/** The element of the model below a face that is seen at the spot, or else around it, and the sets of the mesh there. */
 export function describe(spot: Spot, { face, around }: Seen): Picked | null {
-  const { cloth, role, at } = spot;
-  const faces = [face, ...around].filter((each) => each >= 0 && each < cloth.faceCount);
+  const { cloth, model, role, at } = spot;
+  const faces = [face, ...around].filter((each) => each >= 0 && each < cloth.faceCount).slice(0, MOST_FACES);
   if (faces.length === 0) return null;
-  const edge = frontEdge(spot, faces.slice(0, MOST_FACES));
+  const edge = frontEdge(spot, cloth, faces.map((each) => drawnCorners(cloth, each)));
+  const below = [...new Set(faces.map((each) => sourceOf(cloth, each)))];
+  const isCage = cloth === model && !model.faces.owner;
+  const picked = isCage ? edge : frontEdge(spot, model, below.map((each) => pairs(cageCorners(model, each, spot.points))));
   const edgeSets = edge ? cloth.membership.ofEdge(...edge) : [];
   const sets = [...edgeSets, ...cloth.membership.ofFace(faces[0])];
-  return { role, face: ownerOf(cloth, faces[0]), edge, sets, x: at.x, y: at.y };
+  return { role, face: below[0], edge: picked, sets, x: at.x, y: at.y };
+}
+
+/** Corners at both ends of an edge. */
+type Ends = [number, number];
+
+/** The edges of a face that are drawn. */
+function drawnCorners({ faces }: Cloth, face: number): Ends[] {
+  const corners = Array.from({ length: faces.starts[face + 1] - faces.starts[face] }, (_, at) => faces.starts[face] + at);
+  return corners.filter((corner) => !faces.shown || faces.shown[corner]).map((corner) => [corner, nextCorner(faces, face, corner)]);
+}
+
+function pairs(corners: number[]): Ends[] {
+  return corners.map((corner, at) => [corner, corners[(at + 1) % corners.length]]);
 }
 
 interface NearEdge {
@@ -127,25 +146,19 @@ interface NearEdge {
 }
 
 /** The edge at the pointer: of edges that are about as near to it, the one in front. At grazing angles there are several. */
-function frontEdge(spot: Spot, faces: number[]): [number, number] | null {
-  const near = faces.flatMap((face) => edgesNear(spot, face));
+function frontEdge(spot: Spot, cloth: Cloth, edges: Ends[][]): [number, number] | null {
+  if (spot.flat && !cloth.hasUvs) return null;
+  const near = edges.flat().flatMap((ends) => edgeNear(spot, cloth, ends));
   const front = Math.min(...near.map(({ depth }) => depth));
   const cost = ({ distance, depth }: NearEdge) => distance + Math.min(FRONT, DEPTH * (depth - front));
   return near.reduce<NearEdge | null>((best, edge) => (best && cost(best) <= cost(edge) ? best : edge), null)?.ends ?? null;
 }
 
-function edgesNear(spot: Spot, face: number): NearEdge[] {
-  const { faces } = spot.cloth;
-  const found: NearEdge[] = [];
-  for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
-    if (faces.shown && !faces.shown[corner]) continue;
-    const next = nextCorner(faces, face, corner);
-    const [a, b] = [corner, next].map((each) => placeOf(spot.cloth, each, spot.flat));
-    const { distance, share } = toSegment(spot.at, onCanvas(spot, a), onCanvas(spot, b));
-    const ends: [number, number] = [faces.corners[corner], faces.corners[next]];
-    if (distance < REACH) found.push({ ends, distance, depth: depthOf(spot, a.lerp(b, share)) });
-  }
-  return found;
+function edgeNear(spot: Spot, cloth: Cloth, [corner, next]: Ends): NearEdge[] {
+  const [a, b] = [corner, next].map((each) => placeOf(cloth, each, spot.flat));
+  const { distance, share } = toSegment(spot.at, onCanvas(spot, a), onCanvas(spot, b));
+  const ends: Ends = [cloth.faces.corners[corner], cloth.faces.corners[next]];
+  return distance < REACH ? [{ ends, distance, depth: depthOf(spot, a.lerp(b, share)) }] : [];
 }
 
 function depthOf({ camera, column }: Spot, place: Vector3): number {

@@ -17,7 +17,7 @@ interface Panel {
   name: string;
   /** One of its faces, as drawn. */
   face: number;
-  /** Centre and breadth on the UV plane. */
+  /** The middle of its upper side, and its breadth, on the UV plane. */
   u: number;
   v: number;
   breadth: number;
@@ -75,17 +75,15 @@ function nameOf({ name, elements }: ElementSet, named: ElementSet[]): string {
   return found?.name ?? `UV shell ${SHELL.exec(name)?.[1] ?? 1}`;
 }
 
-/** The mean of the corners, and how far they reach from left to right. */
+/** The middle of the upper side, and how far the corners reach from left to right. */
 function placeOf({ faces, uvs }: Cloth, shell: Uint32Array): Pick<Panel, "u" | "v" | "breadth"> {
-  let [u, v, count, left, right] = [0, 0, 0, Infinity, -Infinity];
+  let [v, left, right] = [-Infinity, Infinity, -Infinity];
   for (const face of shell) {
     for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
-      u += uvs[2 * corner];
-      v += uvs[2 * corner + 1];
-      count += 1;
+      v = Math.max(v, uvs[2 * corner + 1]);
       left = Math.min(left, uvs[2 * corner]);
       right = Math.max(right, uvs[2 * corner]);
     }
   }
-  return { u: u / count, v: v / count, breadth: right - left };
+  return { u: (left + right) / 2, v, breadth: right - left };
 }

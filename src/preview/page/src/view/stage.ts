@@ -9,7 +9,7 @@ import type { Cloth } from "./mesh/cloth";
 import { ACCENT } from "./shade/colours";
 import { squareOf } from "./shade/checker";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
-import { ROLES, windowOf } from "./layout";
+import { aspectOf, ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
 import { Images } from "./shade/images";
 import { MarkerSet } from "./mesh/markerSet";
@@ -29,6 +29,8 @@ const CAVITY = 0.02;
 /** Part of the radius by which wires over another mesh are nearer, so that they are seen where they lie just inside. */
 const BIAS = 0.0055;
 const MOST_RATIO = 2;
+/** Part of the pixels across and up that a draft has. */
+const DRAFT_RATIO = 0.5;
 
 /** What is drawn on. */
 export interface Sheet {
@@ -74,6 +76,7 @@ export class Stage {
   } satisfies Record<string, IUniform>;
   width = 1;
   height = 1;
+  isDraft = false;
   readonly centre = new Vector3();
   radius = 1;
   /** Edge of a square of the checker, or 0 if the scale of the UVs is not known. [m] */
@@ -111,10 +114,12 @@ export class Stage {
     return paint;
   }
 
-  /** Takes the size of the canvas on the page. Returns whether it is another. */
-  resize(): boolean {
+  /** Takes the size of the canvas on the page. A moving picture is a draft of fewer pixels where the processor draws them.
+   *  Returns whether the size is another. */
+  resize(isMoving = false): boolean {
     const { clientWidth, clientHeight } = this.canvas;
-    const ratio = Math.min(MOST_RATIO, devicePixelRatio);
+    this.isDraft = isMoving && this.#isHard;
+    const ratio = Math.min(MOST_RATIO, devicePixelRatio) * (this.isDraft ? DRAFT_RATIO : 1);
     const same = clientWidth === this.width && clientHeight === this.height && ratio === this.renderer.getPixelRatio();
     if (same || clientWidth === 0 || clientHeight === 0) return false;
     this.width = clientWidth;
@@ -240,6 +245,11 @@ export class Stage {
 
   /** Draws a plain picture, or a sample of the picture at rest. */
   draw(sheet: Sheet, cameras: Cameras, sample: Sample | null = null): void {
+    for (const _ of this.parts(sheet, cameras, sample));
+  }
+
+  /** The same in parts. What lies under the pointer may be looked for between them. */
+  *parts(sheet: Sheet, cameras: Cameras, sample: Sample | null): Generator<void> {
     const { renderer } = this;
     this.#backdrop.setGround(this.centre, this.#half, cameras.space.up);
     this.uniforms.uPixel.value = sheet.ratio;
@@ -248,9 +258,14 @@ export class Stage {
     renderer.setClearColor(0, 0);
     renderer.clear();
     if (!sheet.isClear) renderer.render(this.#backdrop.sky, cameras.space.camera);
-    for (const column of sheet.columns) this.#drawColumn(sheet, column, cameras, sample);
-    renderer.setScissorTest(false);
-    renderer.setRenderTarget(null);
+    for (const column of sheet.columns) {
+      const caster = sample && this.#hasShadows && !column.flat ? this.solidOf(column) : null;
+      if (caster) yield* this.#cast(caster, column, cameras.space, sample as Sample);
+      this.#drawColumn(sheet, column, cameras, sample, caster !== null);
+      renderer.setScissorTest(false);
+      renderer.setRenderTarget(null);
+      if (caster) yield;
+    }
   }
 
   /** What follows is drawn to a part of the sheet. */
@@ -272,7 +287,7 @@ export class Stage {
     renderer.setScissor(seen.x, low, seen.width, height);
   }
 
-  #drawColumn(sheet: Sheet, column: Column, cameras: Cameras, sample: Sample | null): void {
+  #drawColumn(sheet: Sheet, column: Column, cameras: Cameras, sample: Sample | null, hasShadows: boolean): void {
     const { width, height, flat } = column;
     const { ratio } = sheet;
     const { space } = cameras;
@@ -283,9 +298,7 @@ export class Stage {
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    const hasShadows = sample !== null && this.#hasShadows && !flat;
     this.#show(column, hasShadows);
-    if (hasShadows) this.#cast(column, space, sample);
     this.uniforms.uView.value.set(width * ratio, height * ratio);
     for (const marks of this.markersOf(flat).all) marks.setView(width * ratio, height * ratio, ratio);
     if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
@@ -293,12 +306,17 @@ export class Stage {
     this.renderer.render(this.#world, rig.camera);
   }
 
-  /** The solid mesh of a column has shadows. */
-  #cast(column: Column, space: SpaceRig, sample: Sample): void {
+  /** The last mesh of a column, which is solid; null while it is not there. */
+  solidOf(column: Column): Cloth | null {
     const cloths = this.clothsOf(column);
-    const solid = column.roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
+    return column.roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1) ?? null;
+  }
+
+  *#cast(cloth: Cloth, column: Column, space: SpaceRig, sample: Sample): Generator<void> {
     const all = { centre: this.centre, radius: this.radius };
-    if (solid) this.#shadows.cast(solid, sample, space.camera, all, space.inView());
+    space.setBounds(this.centre, this.radius);
+    space.place(aspectOf(column));
+    yield* this.#shadows.cast(cloth, sample, space.camera, all, space.inView());
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */

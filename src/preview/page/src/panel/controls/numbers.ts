@@ -50,18 +50,25 @@ export function lengthOrArea(size: number, isArea: boolean): string {
   return size < 1 ? `${rounded(size * (isArea ? 1e4 : 100))} cm${power}` : `${rounded(size)} m${power}`;
 }
 
-const LENGTHS: [number, string][] = [
-  [1, "m"],
-  [0.01, "cm"],
-  [0.001, "mm"],
-  [0.1, "dm"],
-  [0.0254, "in"],
-  [0.3048, "ft"],
-];
+/** The unit in which lengths are shown. */
+export interface LengthUnit {
+  word: string;
+  metres: number;
+  /** Mesh units in one of it. */
+  size: number;
+}
 
-function lengthUnit(garment: GarmentMessage | null): string {
-  const metres = garment?.metersPerUnit ?? 0;
-  return LENGTHS.find(([size]) => Math.abs(metres / size - 1) < 1e-3)?.[1] ?? "units";
+/** Millimetres for a garment that is in them, else centimetres. */
+export function lengthUnit(garment: GarmentMessage | null): LengthUnit {
+  const own = garment?.metersPerUnit || 0.01;
+  const is = (metres: number) => Math.abs(own / metres - 1) < 1e-3;
+  const unit = is(0.001) ? { word: "mm", metres: 0.001 } : { word: "cm", metres: 0.01 };
+  return { ...unit, size: is(unit.metres) ? 1 : unit.metres / own };
+}
+
+/** A length of mesh units in a unit, without the noise of 32 bits. */
+export function inUnit(length: number, { size }: LengthUnit): number {
+  return size === 1 ? length : neat(length / size);
 }
 
 const UNITS: Record<string, string> = {
@@ -78,7 +85,7 @@ const UNITS: Record<string, string> = {
 
 /** A short form of an option's unit, which may be empty. */
 export function unitOf(unit: string, garment: GarmentMessage | null): string {
-  return unit.includes("mesh unit") ? lengthUnit(garment) : (UNITS[unit] ?? "");
+  return unit.includes("mesh unit") ? lengthUnit(garment).word : (UNITS[unit] ?? "");
 }
 
 /** The direction of an arrow key; 0 of other keys. */

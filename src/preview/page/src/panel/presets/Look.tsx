@@ -9,7 +9,7 @@ import { isEnabled, instanceAt } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
-import { unitOf } from "../controls/numbers";
+import { lengthUnit } from "../controls/numbers";
 import { Profile, SmallProfile } from "./Profile";
 
 /** Length of the folds that the menu draws, in thicknesses of the thickest one. */
@@ -28,7 +28,7 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   const drawn = { kind: kind.name, auto: used ?? automaticMeasure(kind, garment) };
   return (
     <div class="look">
-      <Profile {...drawn} fields={fields} unit={unitOf("mesh units", garment)} isOff={isOff} />
+      <Profile {...drawn} fields={fields} unit={lengthUnit(garment)} isOff={isOff} />
       {isSaving ? (
         <PresetName operator={operator} presets={presets} done={() => setSaving(false)} />
       ) : (

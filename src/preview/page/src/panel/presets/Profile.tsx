@@ -1,7 +1,7 @@
 // A drawn cross-section through a seam or a fold.
 
 import type { Fields, KindName } from "../../server/options";
-import { rounded } from "../controls/numbers";
+import { rounded, type LengthUnit } from "../controls/numbers";
 import { foldSection, knots, seamSection, smoothPath, type Point, type Section } from "./section";
 
 interface Size {
@@ -31,7 +31,7 @@ const SECTIONS: Record<KindName, (props: ProfileProps) => Section> = {
 const sectionOf = (props: ProfileProps): Section => SECTIONS[props.kind](props);
 
 /** The drawing of a card, with figures. Both axes have one scale, so that it is true. */
-export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: string; isOff: boolean }) {
+export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: LengthUnit; isOff: boolean }) {
   const section = sectionOf(props);
   const { scale, place } = placing(section, CARD);
   return (
@@ -39,13 +39,13 @@ export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: string
       class={`profile ${isOff ? "is-off" : ""}`}
       viewBox={`0 0 ${CARD.width} ${CARD.height}`}
       role="img"
-      aria-label={`Cross-section: ${section.measures.map(({ key, ...ends }) => `${WORDS[key]} ${length(ends)} ${unit}`).join(", ")}`}
+      aria-label={`Cross-section: ${section.measures.map(({ key, ...ends }) => `${WORDS[key]} ${length(ends, unit)}`).join(", ")}`}
       data-scale={scale}
       data-origin={place([0, 0]).join(" ")}
     >
       <Cloth section={section} place={place} hasBody />
       {section.measures.map(({ key, from, to }) => (
-        <Measure key={key} from={place(from)} to={place(to)} text={`${length({ from, to })} ${unit}`} />
+        <Measure key={key} from={place(from)} to={place(to)} text={length({ from, to }, unit)} />
       ))}
     </svg>
   );
@@ -53,7 +53,8 @@ export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: string
 
 const WORDS: Record<string, string> = { width: "width", normalOffset: "height of the centre", thickness: "thickness" };
 
-const length = ({ from, to }: { from: Point; to: Point }): string => rounded(to[0] - from[0] + (to[1] - from[1]));
+const length = ({ from, to }: { from: Point; to: Point }, { word, size }: LengthUnit): string =>
+  `${rounded((to[0] - from[0] + (to[1] - from[1])) / size)} ${word}`;
 
 /** The drawing of a menu. */
 export function SmallProfile(props: ProfileProps) {

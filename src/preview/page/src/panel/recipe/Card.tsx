@@ -4,18 +4,24 @@ import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent, TargetedMous
 import type { Fields, KindName } from "../../server/options";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
-import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard } from "../../state/cards";
+import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard, twinOf } from "../../state/cards";
 import { isEnabled, instanceAt, setsOf } from "../../state/recipe";
 import { Switch } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
-import { shown, unitOf } from "../controls/numbers";
+import { inUnit, lengthUnit, shown, type LengthUnit } from "../controls/numbers";
 import { deleteOperator, duplicateOperator, isUpstream, moveOperator, renameOperator } from "../../state/operators";
 import { Look } from "../presets/Look";
+import { wordsOf } from "../../state/selection";
 import { NameField } from "./NameField";
 import { Faults, OptionRow } from "./OptionRow";
 import { Swatch } from "./SetChips";
+
+const TWIN = {
+  self: "Its sets lie on both sides of the garment",
+  other: "The same on the other side: a value that is set here is set there (Y ends it)",
+};
 
 interface CardProps {
   operator: Stacked;
@@ -41,6 +47,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
   const isRenaming = useSelect(({ naming }) => naming === full);
   const isChosen = useSelect(({ chosen }) => chosen.has(full));
   const isOn = isEnabled(merged, operator);
+  const twin = useSelect((state) => twinOf(state, operator));
 
   const act = () => {
     clickCard(store, full);
@@ -112,7 +119,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
             type="button"
             class="card-title"
             aria-expanded={isOpen}
-            title={listed ? sets.join(", ") : "render.operators leaves it out, so that it does not run"}
+            title={listed ? sets.map(wordsOf).join(", ") : "render.operators leaves it out, so that it does not run"}
             onClick={act}
             onDblClick={() => !isUpstream(store, operator) && store.update({ naming: full })}
           >
@@ -123,6 +130,11 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
               <span class="card-summary">
                 {!listed && "not in the order"}
                 {listed && !isOpen && <Summary operator={operator} />}
+                {twin && (
+                  <em class="card-twin" title={twin.full === full ? TWIN.self : TWIN.other}>
+                    ⇄ {twin.full === full ? "both sides" : twin.name}
+                  </em>
+                )}
               </span>
             </span>
           </button>
@@ -200,15 +212,15 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
 function Summary({ operator }: { operator: Stacked }) {
   const fields = useSelect(({ document }) => instanceAt(document.merged, operator));
   const garment = useSelect((state) => state.garment);
-  return <>{fields && summary(operator, fields, unitOf("mesh units", garment))}</>;
+  return <>{fields && summary(operator, fields, lengthUnit(garment))}</>;
 }
 
-function summary({ kind }: Stacked, fields: Fields, unit: string): string {
-  const length = (field: string) => shown(Number(fields[field] ?? 0)).replace("-", "−");
+function summary({ kind }: Stacked, fields: Fields, unit: LengthUnit): string {
+  const length = (field: string) => shown(inUnit(Number(fields[field] ?? 0), unit)).replace("-", "−");
   const automatic = (field: string) => (length(field) === "0" ? "auto" : length(field));
   const figures: Record<KindName, () => string> = {
-    seam: () => `${automatic("width")} × ${length("normalOffset")} ${unit}`,
-    fold: () => (automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit}`),
+    seam: () => `${automatic("width")} × ${length("normalOffset")} ${unit.word}`,
+    fold: () => (automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit.word}`),
   };
   return figures[kind]();
 }

@@ -12,7 +12,7 @@ import { NumberField } from "../controls/NumberField";
 import { Slider, type Range } from "../controls/Slider";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
-import { neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
+import { lengthUnit, neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
 import { SetChips } from "./SetChips";
 import { TextField, WordChoice } from "../controls/TextField";
 import { Words } from "../controls/Words";
@@ -165,12 +165,20 @@ function NumberControl({ option, full, value, mixed, ...described }: ControlProp
   const garment = useSelect((state) => state.garment);
   const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
   const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
-  const range = rangeOf(option.domain, garment?.meanEdge ?? 1);
+  // Lengths are in the unit of the panel here, and in mesh units outside.
+  const isLength = option.domain.type === "length";
+  const unit = isLength ? lengthUnit(garment) : { metres: 1, size: 1 };
+  const range = rangeOf(option.domain, (garment?.meanEdge ?? 1) / unit.size);
   if (!range) return null;
-  const auto = used ?? ofFabric ?? automaticLength(option.domain, garment);
+  const length = used ?? ofFabric ?? automaticLength(option.domain, garment);
+  const auto = length === null ? null : length / unit.size;
+  // Numbers in mesh units stay as they are.
+  const neatly = (number: number) => (unit.size === 1 ? number : neat(number));
+  const shownValue = neatly(value / unit.size);
   // What an option is without the edits here: typed again, it is no edit.
   const below = (key: string) => valueAt(store.state.document.upstream, key) ?? option.default;
-  const set = (changed: number, how: "step" | "continuous") => {
+  const set = (typed: number, how: "step" | "continuous") => {
+    const changed = neatly(typed * unit.size);
     const keys = keysWith(store.state, full);
     store.setAll(keys.map((key) => ({ key, value: changed, isBack: how === "step" && changed === below(key) })), how);
   };
@@ -178,10 +186,10 @@ function NumberControl({ option, full, value, mixed, ...described }: ControlProp
     <span class="number-control">
       <NumberField
         {...described}
-        value={value}
+        value={shownValue}
         mixed={mixed}
         unit={unitOf(option.unit, garment)}
-        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : option.unit === "m" ? 1 : null}
+        metres={isLength || option.unit === "m" ? unit.metres : null}
         step={range.step}
         fine={range.fine}
         clamp={(typed) => clamped(option.domain, typed)}
@@ -192,10 +200,10 @@ function NumberControl({ option, full, value, mixed, ...described }: ControlProp
       {range.most - range.least <= WIDEST * range.step && (
         <Slider
           {...described}
-          value={value}
+          value={shownValue}
           range={range}
           ghost={value === 0 ? auto : null}
-          change={(changed) => (changed !== value || mixed) && set(changed, "continuous")}
+          change={(changed) => (changed !== shownValue || mixed) && set(changed, "continuous")}
         />
       )}
     </span>

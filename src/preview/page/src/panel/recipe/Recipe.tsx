@@ -32,15 +32,15 @@ export function Recipe() {
         {!hasGarment && <Skeleton />}
         {hasGarment && (
           <>
+            <Section title="Seams and folds" tools={<NewOperator />}>
+              <Stack />
+            </Section>
             <Section title="Simulation mesh">
               <Rows options={often} />
               <More options={rest} />
             </Section>
             <Section title="Render mesh">
               <Rows options={render} />
-            </Section>
-            <Section title="Seams and folds" tools={<NewOperator />}>
-              <Stack />
             </Section>
             <Section title="Cloth">
               <ClothFigures />

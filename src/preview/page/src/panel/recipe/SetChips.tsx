@@ -4,7 +4,7 @@ import type { SetInfo } from "../../server/protocol";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
-import { shortName } from "../../state/selection";
+import { wordsOf } from "../../state/selection";
 
 const NONE: SetInfo[] = [];
 
@@ -58,7 +58,7 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
     ...sets
       .filter(({ name }) => !names.includes(name))
       .map(({ name, count, kind }) => ({
-        label: name,
+        label: wordsOf(name),
         detail: `${count} ${kind}s`,
         chip: store.view?.colourOf(name),
         pick: () => change([...names, name]),
@@ -80,15 +80,15 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
           <button
             type="button"
             class="set-chip-name"
-            title={`Select ${shortName(name)}`}
+            title={`Select ${wordsOf(name)}`}
             onClick={() => store.selector.take(name)}
           >
-            {shortName(name)}
+            {wordsOf(name)}
           </button>
           <button
             type="button"
-            aria-label={`Remove ${name}`}
-            title={`Remove ${name}`}
+            aria-label={`Remove ${wordsOf(name)}`}
+            title={`Remove ${wordsOf(name)}`}
             onClick={() => {
               store.highlight(null);
               change(names.filter((each) => each !== name));

@@ -4,8 +4,9 @@ import type { PlanColumn } from "../../view/api";
 import { RAIL } from "../../view/layout";
 import { roundLength } from "../../view/shade/checker";
 import { useSelect } from "../controls/hooks";
-import { unitOf } from "../controls/numbers";
+import { lengthUnit } from "../controls/numbers";
 import { valueAt } from "../../state/recipe";
+import { wordsOf } from "../../state/selection";
 
 /** About the length of a scale bar. [CSS pixels] */
 const BAR = 90;
@@ -23,8 +24,7 @@ export function FlatNotes() {
             .filter(({ breadth }) => breadth >= LEAST_LABEL)
             .map(({ name, x, y, breadth }) => (
               <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, maxWidth: `${breadth}px` }}>
-                {/* Names of left and right panels differ at the end, so they go on in a new line. */}
-                {name.split(/(?<=_)/).flatMap((part) => [part, <wbr key={part} />])}
+                {wordsOf(name)}
               </span>
             ))}
           {column.unit > 0 && column.width >= LEAST_COLUMN && (
@@ -41,8 +41,9 @@ function ScaleBar({ column, inset }: { column: PlanColumn; inset: number }) {
   const merged = useSelect(({ document }) => document.merged);
   const usual = garment?.options.find(({ key }) => key === "cloth.warp")?.default;
   const warp = String(valueAt(merged, "cloth.warp") ?? usual ?? "v");
-  const length = roundLength(BAR / column.unit);
-  const breadth = length * column.unit;
+  const { word, size } = lengthUnit(garment);
+  const length = roundLength(BAR / (column.unit * size));
+  const breadth = length * column.unit * size;
   const left = column.x + column.width - inset - breadth - 16;
   return (
     <div class="plan-scale" style={{ left: `${left}px`, top: `${column.y + column.height - 58}px`, width: `${breadth}px` }}>
@@ -53,7 +54,7 @@ function ScaleBar({ column, inset }: { column: PlanColumn; inset: number }) {
         warp
       </span>
       <i />
-      {length} {unitOf("mesh unit", garment)}
+      {length} {word}
     </div>
   );
 }

@@ -5,6 +5,7 @@ import { useSelect, useStore } from "../controls/hooks";
 import { lengthOrArea, rounded } from "../controls/numbers";
 import { Swatch } from "../recipe/SetChips";
 import type { Store } from "../../state/store";
+import { wordsOf } from "../../state/selection";
 import { paintedChoices, QUALITIES } from "../../state/settings";
 
 const STOPS = 16;
@@ -52,7 +53,7 @@ function EdgeSetLegend() {
             onClick={() => isOfModel(name) && store.selector.take(expressionOf(name))}
           >
             <Swatch set={name} />
-            {name}
+            {wordsOf(name)}
           </button>
         ))}
       </div>
@@ -78,7 +79,15 @@ function HeatLegend() {
   const heat = useSelect((state) => state.heat);
   const shading = useSelect(({ settings }) => settings.shading);
   const garment = useSelect((state) => state.garment);
-  if (shading !== "values" || !heat) return null;
+  const wanted = useSelect(({ settings }) => settings.values);
+  if (shading !== "values") return null;
+  if (!heat || heat.name !== wanted) {
+    return (
+      <p class="legend" role="status">
+        The heat is being made
+      </p>
+    );
+  }
   const scale = scaleOf(heat);
   const choice = [...QUALITIES, ...paintedChoices(garment)].find(({ name }) => name === heat.name);
   const stops = Array.from({ length: STOPS + 1 }, (_, i) => heatCss(i / STOPS, scale)).join(", ");

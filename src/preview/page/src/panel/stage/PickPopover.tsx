@@ -4,6 +4,7 @@ import { useLayoutEffect, useRef } from "preact/hooks";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
 import { setsOf } from "../../state/recipe";
+import { wordsOf } from "../../state/selection";
 import { useLive, useOutside, useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { addOperator, reveal } from "../../state/operators";
@@ -110,7 +111,7 @@ function PickRow({ set, close }: { set: PickedSet; close(): void }) {
     >
       <Swatch set={set.name} />
       <span class="pick-name" title={set.name}>
-        {set.name}
+        {wordsOf(set.name)}
         <small>{set.kind === "edge" ? "edge set" : "face set"}</small>
       </span>
       {set.kind === "face" && <IsolateButton label={`Show ${set.name} alone`} what={set.name} />}

@@ -2,6 +2,7 @@
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { setsOf } from "../../state/recipe";
+import { wordsOf } from "../../state/selection";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
@@ -28,9 +29,11 @@ export function Stage() {
         ref={canvas}
         tabIndex={0}
         aria-label="The garment in 3D"
-        onPointerLeave={() => store.update({ hovered: null })}
+        onPointerLeave={() => store.update({ hovered: null, outlines: [] })}
       />
+      <Outlines />
       <ColumnLabels />
+      <StillNote />
       <FirstLoad />
       <Progress />
       <ToolBar />
@@ -48,6 +51,11 @@ export function Stage() {
       )}
     </main>
   );
+}
+
+function StillNote() {
+  const isFinal = useSelect((state) => state.isFinal);
+  return isFinal ? null : <p class="still-note">A finer picture comes</p>;
 }
 
 function IsolatedNote() {
@@ -110,6 +118,18 @@ function FirstLoad() {
   );
 }
 
+/** What a click takes, on all meshes. */
+function Outlines() {
+  const outlines = useSelect((state) => state.outlines);
+  const isFace = useSelect(({ hovered }) => hovered?.edge === null);
+  return outlines.map(({ x, y, width, height, path }) => (
+    <svg class={`outline ${isFace ? "is-face" : ""}`} key={`${x} ${y}`} style={{ left: `${x}px`, top: `${y}px` }} width={width} height={height} aria-hidden="true">
+      {!isFace && <path class="outline-rim" d={path} />}
+      <path d={path} />
+    </svg>
+  ));
+}
+
 /** Names the sets under the pointer. Face sets are everywhere, so only those of a fold are named. */
 function HoverLabel() {
   const hovered = useSelect((state) => state.hovered);
@@ -128,7 +148,7 @@ function HoverLabel() {
       {labels.map(({ name, users }) => (
         <span key={name}>
           <Swatch set={name} />
-          {name}
+          {wordsOf(name)}
           {users.length > 0 && <em>{users.join(", ")}</em>}
         </span>
       ))}

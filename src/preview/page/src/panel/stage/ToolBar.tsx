@@ -3,6 +3,7 @@
 import type { Shading } from "../../view/api";
 import { IconButton, Segments, Select, Toggle } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
 import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
 import { FabricButton } from "./FabricButton";
 import { PictureButton } from "./PictureButton";
@@ -32,6 +33,7 @@ export function ToolBar() {
             onClick={() => toggleRole(store, i)}
             onDblClick={() => showAlone(store, i)}
           >
+            <Icon name={settings.roles.includes(role) ? "eye" : "hidden"} />
             {ROLE_NAMES[role]}
           </button>
         ))}
@@ -114,7 +116,8 @@ function HeatSelect() {
 
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, layout, shadows, smooth } = useSelect((state) => state.settings);
+  const { wires, edgeSets, flat, layout, shadows, smooth, symmetric } = useSelect((state) => state.settings);
+  const mirror = useSelect(({ garment }) => garment?.mirror);
   const isolated = useSelect((state) => state.isolated);
   const split = useSelect((state) => state.split);
   return (
@@ -188,6 +191,15 @@ export function SideBar() {
         on={split !== null}
         change={() => store.toggleSplit()}
       />
+      {mirror && (
+        <Toggle
+          label="Both sides"
+          icon="mirror"
+          hint={`Select and edit both sides of the garment at once; its plane is across ${mirror.axis} (Y)`}
+          on={symmetric}
+          change={(symmetric) => store.settings({ symmetric })}
+        />
+      )}
       <IconButton
         label="Frame"
         icon="frame"

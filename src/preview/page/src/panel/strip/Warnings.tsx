@@ -1,7 +1,10 @@
 import type { Severity } from "../../server/protocol";
 import type { Finding } from "../../state/garment";
 import { ROLE_NAMES } from "../../state/settings";
-import { useSelect, useStandingOfAll, useStore } from "../controls/hooks";
+import { cureOf } from "../../state/fixes";
+import type { Change } from "../../state/store";
+import { useLive, useSelect, useStandingOfAll, useStore } from "../controls/hooks";
+import { inUnit, lengthUnit, rounded } from "../controls/numbers";
 import { Icon, type IconName } from "../controls/icons";
 import { Words } from "../controls/Words";
 
@@ -11,6 +14,7 @@ export const SEVERITY_ICONS: Record<Severity, IconName> = { fault: "error", qual
 export function Warnings({ findings }: { findings: Finding[] }) {
   const store = useStore();
   const marked = useSelect((state) => state.marked);
+  const place = useSelect((state) => state.place);
   const standing = useStandingOfAll();
   return (
     <div class="warnings">
@@ -40,10 +44,45 @@ export function Warnings({ findings }: { findings: Finding[] }) {
                 </small>
               </span>
             </button>
+            {marked === finding && place && <Places at={place.at} count={place.count} />}
+            <FixButton finding={finding} />
           </li>
         ))}
       </ul>
     </div>
+  );
+}
+
+/** The way from place to place of a warning. */
+function Places({ at, count }: { at: number; count: number }) {
+  const store = useStore();
+  return (
+    <span class="warning-places" role="group" aria-label="Places">
+      <button type="button" class="button is-small" title="The place before ([)" onClick={() => store.visit(at - 1)}>
+        Previous
+      </button>
+      place {at + 1} of {count}
+      <button type="button" class="button is-small" title="The next place (])" onClick={() => store.visit(at + 1)}>
+        Next
+      </button>
+    </span>
+  );
+}
+
+/** Sets the values that end a warning. */
+function FixButton({ finding }: { finding: Finding }) {
+  const store = useStore();
+  const isLive = useLive();
+  const garment = useSelect((state) => state.garment);
+  const text = useSelect((state) => JSON.stringify(cureOf(state, finding)));
+  const cure: Change[] = JSON.parse(text);
+  if (cure.length === 0) return null;
+  const unit = lengthUnit(garment);
+  const words = cure.map(({ key, value }) => `${key.split(".")[2]} ${rounded(inUnit(Number(value), unit))} ${unit.word}`);
+  return (
+    <button type="button" class="button is-small" disabled={!isLive} title={words.join(", ")} onClick={() => store.setAll(cure)}>
+      Fix it
+    </button>
   );
 }
 

@@ -9,15 +9,13 @@ export class MarkerSet {
   /** The mesh that the marks are on. */
   marked: Role = "model";
   readonly glow = new Marks(ACCENT, 4, THROUGH);
-  /** What the pointer is on where the meshes are seen in the other way. */
-  readonly hovered = new Marks(ACCENT, 4, FAINT);
   /** The selection on each mesh. */
   readonly selections: Record<Exclude<Role, "body">, Marks> = {
     model: new Marks(SELECTED, 5, FAINT),
     sim: new Marks(SELECTED, 5, FAINT),
     render: new Marks(SELECTED, 5, FAINT),
   };
-  readonly all: Marks[] = [...Object.values(this.selections), this.marks, this.glow, this.hovered];
+  readonly all: Marks[] = [...Object.values(this.selections), this.marks, this.glow];
 
   /** Shows what belongs to the meshes of a column, of which the last is solid; none for null. */
   show(roles: Role[] | null): void {

@@ -29,6 +29,40 @@ export function panelsOf(model: Cloth, seeds: ReadonlySet<number>): Set<number> 
   return found;
 }
 
+/** Elements of the model by the places where they are: those that are in one face, or touch, are together. The largest first. */
+export function placesIn(model: Cloth, { points = [], edges = [], faces = [] }: Elements): Elements[] {
+  const { starts, corners } = model.faces;
+  const marked = new Set([...points, ...edges.flat()]);
+  const own = new Set(faces);
+  const parents = new Map<number, number>();
+  const find = (point: number): number => {
+    let at = point;
+    for (let up = parents.get(at); up !== undefined && up !== at; up = parents.get(at)) at = up;
+    return at;
+  };
+  const firsts = new Map<number, number>();
+  for (let face = 0; face < model.faceCount; face++) {
+    const owner = ownerOf(model, face);
+    for (const point of corners.subarray(starts[face], starts[face + 1])) {
+      if (!own.has(owner) && !marked.has(point)) continue;
+      if (!firsts.has(owner)) firsts.set(owner, point);
+      parents.set(find(point), find(firsts.get(owner) ?? point));
+    }
+  }
+  const found = new Map<number, Required<Elements>>();
+  const at = (point: number) => {
+    const root = find(point);
+    const place = found.get(root) ?? { points: [], edges: [], faces: [] };
+    found.set(root, place);
+    return place;
+  };
+  for (const point of points) at(point).points.push(point);
+  for (const edge of edges) at(edge[0]).edges.push(edge);
+  for (const face of faces) at(firsts.get(face) ?? -1 - face).faces.push(face);
+  const size = (place: Required<Elements>) => place.points.length + place.edges.length + place.faces.length;
+  return [...found.values()].sort((a, b) => size(b) - size(a));
+}
+
 /** The faces of the model that touch the elements. */
 export function facesAt(model: Cloth, elements: Elements): Set<number> {
   const found = new Set(elements.faces);

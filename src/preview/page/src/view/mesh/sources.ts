@@ -52,6 +52,20 @@ export function sourceOf(mesh: Cloth, face: number): number {
   return mesh.sources ? mesh.sources[owner] : owner;
 }
 
+/** The corners of a face of the model. Where it is refined for display, they are those of its parts, in order, at points that the
+ *  model has itself. */
+export function cageCorners({ faces }: Cloth, face: number, points: number): number[] {
+  const first = faces.owner ? faces.owner.indexOf(face) : face;
+  const found = new Map<number, number>();
+  for (let part = first; part >= 0 && (part === first || faces.owner?.[part] === face); part++) {
+    for (let corner = faces.starts[part]; corner < faces.starts[part + 1]; corner++) {
+      const point = faces.corners[corner];
+      if (point < points && !found.has(point)) found.set(point, corner);
+    }
+  }
+  return [...found.values()];
+}
+
 class Drawn {
   /** Faces of the model around each point that is asked for. */
   readonly #around = new Map<number, Set<number>>();

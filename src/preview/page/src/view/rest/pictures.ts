@@ -14,7 +14,7 @@ export async function clearPicture(renderer: WebGLRenderer, width: number, heigh
   const mean = new Mean(renderer, width, height);
   const target = new WebGLRenderTarget(width, height, { depthBuffer: false });
   for (let number = 0; number < SAMPLES; number++) {
-    draw(mean, sampleAt(number));
+    for (const _ of draw(mean, sampleAt(number)));
     mean.add();
   }
   mean.show(target);

@@ -49,16 +49,17 @@ export class Shadows {
     for (const map of this.#maps) renderer.initRenderTarget(map);
   }
 
-  /** Draws the maps of a sample. `view` is what the eye sees of all cloth. */
-  cast(cloth: Cloth, { number, lights, shade }: Sample, eye: Camera, all: Ball, view: Ball): void {
+  /** Draws the maps of a sample, one in each step. `view` is what the eye sees of all cloth. */
+  *cast(cloth: Cloth, { number, lights, shade }: Sample, eye: Camera, all: Ball, view: Ball): Generator<void> {
     const ball = view.radius < all.radius ? view : { ...view, ...all };
-    lights.forEach((light, at) => {
+    for (const [at, light] of lights.entries()) {
       this.#aim(light.clone().transformDirection(eye.matrixWorld), all, ball);
       this.#draw(this.#maps[at], cloth);
       (this.uniforms.uLights.value as Vector3[])[at].copy(light);
       const matrix = (this.uniforms.uLightMatrices.value as Matrix4[])[at];
       matrix.multiplyMatrices(this.#camera.projectionMatrix, this.#camera.matrixWorldInverse).multiply(eye.matrixWorld);
-    });
+      yield;
+    }
     const width = 2 * ball.radius;
     (this.uniforms.uLightSpan.value as Vector4).set(width / WIDTH, width, DEPTH * all.radius, BLUR * all.radius);
     this.uniforms.uNoise.value = number;
