@@ -74,7 +74,9 @@ pub fn check(project: &Project) -> Outcome {
         eprintln!("SKIPPED: instructions are NOT counted: no valgrind is on the path (cargo xtask test --install)");
         return Ok(());
     }
-    for (garment, stored) in rows.lines().filter_map(row) {
+    for line in rows.lines() {
+        let unread = || Failure::new(format!("{FILE} has a line that is not a garment with two counts: {line}"));
+        let (garment, stored) = row(line).ok_or_else(unread)?;
         let counts = instructions(project, garment)?;
         let share = counts.build as f64 / stored.build as f64 - 1.0;
         eprintln!("{garment}: {}; {:+.1} %", counts.in_words(), 100.0 * share);
