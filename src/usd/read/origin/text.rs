@@ -5,7 +5,7 @@
 
 use super::letters::Letters;
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Versions of text layers begin with this.
 const VERSION: &[u8] = b"#usda 1.";
@@ -32,7 +32,7 @@ pub struct Readable<'a> {
     /// The fields of [`LEFT_OUT`] that were there.
     pub left_out: Vec<&'static str>,
     /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a path that a list has
-    /// twice. And what the library takes too long to read.
+    /// twice, a property of two types. And what the library takes too long to read.
     pub refused: Option<Refused>,
 }
 
@@ -92,8 +92,15 @@ struct Scanner<'a> {
     listed: Option<HashSet<&'a [u8]>>,
     /// The first part that is refused, and what it is.
     refused: Option<(usize, &'static str)>,
-    /// The brackets around: the number of properties so far in those of a prim, none in others.
-    open: Vec<Option<usize>>,
+    /// The brackets around: the properties so far in those of a prim, none in others.
+    open: Vec<Option<Properties<'a>>>,
+}
+
+/// The properties of a prim so far: their number, and the type of each name.
+#[derive(Default)]
+struct Properties<'a> {
+    count: usize,
+    types: HashMap<&'a [u8], &'a [u8]>,
 }
 
 impl<'a> Scanner<'a> {
@@ -147,7 +154,7 @@ impl<'a> Scanner<'a> {
                     self.refuse(self.at, "two numbers without a comma between them");
                 }
                 match byte {
-                    b'{' if matches!(self.last, b'"' | b'\'' | b')') => self.open.push(Some(0)),
+                    b'{' if matches!(self.last, b'"' | b'\'' | b')') => self.open.push(Some(Properties::default())),
                     b'{' | b'[' | b'(' => self.open.push(None),
                     b'}' | b']' | b')' => drop(self.open.pop()),
                     _ => {}
@@ -271,12 +278,22 @@ impl<'a> Scanner<'a> {
         }
     }
 
-    /// Counts a property of a prim by the word that begins it.
+    /// Counts a property of a prim by the word that begins it, and notes its type.
     fn count(&mut self, word: &[u8]) {
-        let Some(Some(count)) = self.open.last_mut() else { return };
-        *count += usize::from(!PRIMS.contains(&word));
-        if *count > MOST_PROPERTIES {
+        let rest = self.rest();
+        let Some(Some(properties)) = self.open.last_mut().filter(|_| !PRIMS.contains(&word)) else { return };
+        properties.count += 1;
+        let declaration = rest.split(|byte| b"=;({\n".contains(byte)).next().unwrap_or_default();
+        let mut words = declaration.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).rev();
+        let name = words.next().and_then(|name| name.split(|&byte| byte == b'.').next());
+        let is_other = match (name, words.next()) {
+            (Some(name), Some(kind)) => *properties.types.entry(name).or_insert(kind) != kind,
+            _ => false,
+        };
+        if properties.count > MOST_PROPERTIES {
             self.refuse(self.at, TOO_MANY);
+        } else if is_other {
+            self.refuse(self.at, "a property that its prim has with another type");
         }
     }
 
@@ -390,6 +407,29 @@ mod tests {
             ("references = [@a.usda@ </A>, @b.usda@ </A>]", None),
             ("asset[] a = [@a.usda@, @a.usda@]", None),
             ("inherits = [</A>]\nrelocates = { </B>: </C>, </A>: </D> }", None),
+        ] {
+            let refused = readable(text.as_bytes()).refused;
+            assert_eq!(refused.map(|refused| refused.line), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_property_has_one_type() {
+        for (text, expected) in [
+            ("def \"a\" {\n    int[] b = [1]\n    uniform token b = \"none\"\n}", Some(3)),
+            ("over \"a\" {\n    float b\n    rel b = </A>\n}", Some(3)),
+            ("def \"a\" {\n    float b = 1; double b.timeSamples = { 1: 2 }\n}", Some(2)),
+            (
+                "def \"a\" {\n    custom float b\n    float b.timeSamples = { 1: 2 }\n    float b.connect = </A.b>\n}",
+                None,
+            ),
+            ("def \"a\" {\n    prepend rel b = </A>\n    delete rel b = </B>\n}", None),
+            ("def \"a\" {\n    float b\n    def \"b\" {\n        double b\n    }\n    float b = 1\n}", None),
+            (
+                "def \"a\" {\n    variantSet \"v\" = {\n        \"x\" { float b }\n        \"y\" { int b }\n    }\n}",
+                None,
+            ),
+            ("over \"a\" {\n    dictionary b = {\n        int c = 1\n        string c = \"d\"\n    }\n}", None),
         ] {
             let refused = readable(text.as_bytes()).refused;
             assert_eq!(refused.map(|refused| refused.line), expected, "{text}");
