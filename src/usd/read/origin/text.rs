@@ -31,8 +31,8 @@ pub struct Readable<'a> {
     pub letters: Option<Letters>,
     /// The fields of [`LEFT_OUT`] that were there.
     pub left_out: Vec<&'static str>,
-    /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a path that a list has
-    /// twice, a property of two types. And what the library takes too long to read.
+    /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a comma without a
+    /// value, a path that a list has twice, a property of two types. And what the library takes too long to read.
     pub refused: Option<Refused>,
 }
 
@@ -152,6 +152,9 @@ impl<'a> Scanner<'a> {
                 let begins_number = self.begins_number(byte);
                 if begins_number && self.last.is_ascii_digit() {
                     self.refuse(self.at, "two numbers without a comma between them");
+                }
+                if byte == b',' && matches!(self.last, b',' | b'[') {
+                    self.refuse(self.at, "a comma without a value before it");
                 }
                 match byte {
                     b'{' if matches!(self.last, b'"' | b'\'' | b')') => self.open.push(Some(Properties::default())),
@@ -380,11 +383,14 @@ mod tests {
     }
 
     #[test]
-    fn two_numbers_need_a_comma() {
+    fn two_numbers_need_one_comma() {
         for (text, expected) in [
             ("int[] a = [1, 2,\n 3\n 4]", Some(3)),
             ("float3 a = (1 -2, 3)", Some(1)),
             ("float2 a = (.5 .5)", Some(1)),
+            ("int[] a = [1,\n , 2]", Some(2)),
+            ("string[] a = [, \"b\"]", Some(1)),
+            ("string[] a = [\",,\", \"b\", # ,,\n]", None),
             ("#usda 1.0\n(\n    start = 1\n    end = 2\n)", None),
             ("a2 = { 1: 1e-5, # 2 3\n5: [1, -2], 6: \"7 8\" }", None),
             ("over \"a\" { float b2.timeSamples = { 1: 2, 3: 4 } }", None),
