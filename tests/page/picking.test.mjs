@@ -55,7 +55,8 @@ for (const role of ["render", "sim"]) {
       },
       [role, found.point, found.edge],
     );
-    assert.ok(fromEdge(place, a, b) < meanEdge, `from ${a} to ${b} is the edge at ${place}`);
+    // The place itself may be hidden behind cloth that lies near it.
+    assert.ok(fromEdge(place, a, b) < 3 * meanEdge, `from ${a} to ${b} is the edge at ${place}`);
     assert.deepEqual(found.outlines.map(({ path }) => path.startsWith("M")), [true, true, true], "it is drawn on three meshes");
     assert.equal(await preview.page.locator("svg.outline").count(), 3);
     const box = await preview.page.locator("canvas").boundingBox();

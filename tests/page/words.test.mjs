@@ -47,13 +47,6 @@ test("cards come first, their sets are in words, and meshes are switches with an
   await role.click();
   await preview.when(() => !preview.store.state.settings.roles.includes("render"));
   assert.notEqual(await eye(), open, "a mesh that is hidden has a closed eye");
-  // Heat of a mesh that is not there yet is announced.
-  const said = await preview.evaluate(async () => {
-    preview.store.settings({ shading: "values", values: "quality:length" });
-    await new Promise(requestAnimationFrame);
-    return document.querySelector(".legends").innerText;
-  });
-  assert.match(said, /heat is being made/i);
   assertClean(preview);
 });
 
