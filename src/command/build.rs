@@ -23,6 +23,7 @@ use std::time::{Duration, Instant, SystemTime};
 use tailor::report::{RenderFigures, SimFigures};
 use tailor_costume::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
 use tailor_mesh::error::{Error, Warnings};
+use tailor_mesh::garment::Mesh;
 use tailor_mesh::meter::PassedLimit;
 use tailor_usd::session::{is_usd, written};
 use tailor_usd::{
@@ -86,8 +87,6 @@ pub struct Built {
     pub products: Products,
     /// The parts of the render mesh that are written in its place, at each level of detail; none for the whole.
     pub panels: Vec<Vec<RenderPanel>>,
-    /// Their figures, once a summary or a report needs them.
-    pub figures: Option<Figures>,
     /// Files of which the output, a package, has a copy.
     pub packed: Vec<PathBuf>,
     /// The trims that ride on it.
@@ -97,15 +96,12 @@ pub struct Built {
 }
 
 impl Built {
-    /// Measures the products, where a summary or a report tells of them.
-    fn measure(&mut self) {
+    /// Measures the products, and notes the time of it.
+    fn measure(&mut self) -> Figures {
         let (products, start) = (&self.products, Instant::now());
-        self.figures = Some(Figures {
-            sim: products.sim_figures(),
-            render: products.render_figures(),
-            cloth: products.cloth_figures(),
-        });
+        let (sim, render, cloth) = (products.sim_figures(), products.render_figures(), products.cloth_figures());
         self.timings.push(Timing { name: "figures", seconds: start.elapsed().as_secs_f64() });
+        Figures { sim, render, cloth }
     }
 }
 
@@ -127,10 +123,12 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     let jobs = build.jobs.map_or_else(rayon::current_num_threads, usize::from).min(tasks.len());
     let bar = bar(build.inputs.quiet, tasks.len());
     let mut outcomes = Vec::with_capacity(tasks.len());
+    // One of several inputs is a line of a table.
+    let is_told = !build.inputs.quiet && (tasks.len() == 1 || build.inputs.verbose);
     run_all(
         &tasks,
         jobs,
-        |task| build_one(build, task, &budget, &bar, [jobs == 1, tasks.len() == 1]),
+        |task| build_one(build, task, &budget, &bar, jobs == 1, is_told),
         |task, outcome| {
             bar.suspend(|| tell(build, &outcome, (tasks.len() > 1).then_some(&task.input), is_lone));
             bar.inc(1);
@@ -149,11 +147,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     }
     let failed = outcomes.iter().filter_map(|outcome| if let Outcome::Failed(e) = outcome { Some(e) } else { None });
     let code = failed.map(super::program::exit_code).max().unwrap_or(0);
-    let text = if prints_report || build.inputs.quiet {
-        String::new()
-    } else {
-        text::outcomes(&tasks, &outcomes, build.inputs.verbose)
-    };
+    let text = if prints_report || build.inputs.quiet { String::new() } else { text::outcomes(&tasks, &outcomes) };
     Ok(Output { text, code })
 }
 
@@ -194,14 +188,8 @@ fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool
     }
 }
 
-/// Builds one input, which may be the only one at a time, or the only one at all.
-fn build_one(
-    build: &Build,
-    task: &Task,
-    budget: &Budget,
-    bar: &ProgressBar,
-    [is_lone, is_alone]: [bool; 2],
-) -> Outcome {
+/// Builds one input, the only one at a time if it `is_lone`. Its summary is empty unless it `is_told`.
+fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar, is_lone: bool, is_told: bool) -> Outcome {
     if build.skip_fresh
         && let Some(record) = Request::fresh(build, task)
     {
@@ -212,24 +200,23 @@ fn build_one(
     let result = budget.build(is_lone, || built(build, task, budget, bar, &step));
     match result.unwrap_or_else(|PassedLimit| Err(memory::passed(budget.limit(), &step))) {
         Ok(garments) if build.dry_run => planned(task, garments),
-        Ok(mut garments) => {
-            // One of several inputs is a line of a table.
-            let is_told = !build.inputs.quiet && (is_alone || build.inputs.verbose);
-            if is_told || build.report.is_some() {
-                garments.iter_mut().for_each(Built::measure);
-            }
-            Outcome::Built(Box::new(Summary {
-                text: text::summaries(task, &garments, build.inputs.verbose),
-                report: report::built(task, &garments),
-                faces: [
-                    garments.iter().map(|built| built.products.sim.faces.len()).sum(),
-                    garments.iter().map(|built| built.products.render.faces.len()).sum(),
-                ],
-                warnings: warnings(garments),
-                seconds: start.elapsed().as_secs_f64(),
-            }))
-        }
+        Ok(garments) => Outcome::Built(Box::new(summary(build, task, garments, is_told, start))),
         Err(error) => Outcome::Failed(error),
+    }
+}
+
+/// The results of an input. Figures are measured only for a text or a report.
+fn summary(build: &Build, task: &Task, mut garments: Vec<Built>, is_told: bool, start: Instant) -> Summary {
+    let is_reported = build.report.is_some();
+    let figures: Vec<Figures> =
+        if is_told || is_reported { garments.iter_mut().map(Built::measure).collect() } else { Vec::new() };
+    let faces = |of: fn(&Products) -> &Mesh| garments.iter().map(|built| of(&built.products).faces.len()).sum();
+    Summary {
+        text: if is_told { text::summaries(task, &garments, &figures, build.inputs.verbose) } else { String::new() },
+        report: if is_reported { report::built(task, &garments, &figures) } else { Value::Null },
+        faces: [faces(|products| &products.sim), faces(|products| &products.render)],
+        warnings: warnings(garments),
+        seconds: start.elapsed().as_secs_f64(),
     }
 }
 
@@ -346,7 +333,7 @@ fn garment(
     timings.extend(products.timings.iter().cloned());
     let warnings = levels::warnings(&products);
     let (panels, packed, trims) = (Vec::new(), Vec::new(), Vec::new());
-    Ok(Built { prim, variant: None, names, panels, packed, trims, products, figures: None, timings, warnings })
+    Ok(Built { prim, variant: None, names, panels, packed, trims, products, timings, warnings })
 }
 
 /// Writes the products of all garments, or rehearses it. The last one gets the time of it, and its warnings.

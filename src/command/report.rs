@@ -171,13 +171,13 @@ fn head(task: &Task, status: &str) -> Value {
 }
 
 /// The report of an output that was written: of its garment, or of each of its garments.
-pub fn built(task: &Task, garments: &[Built]) -> Value {
-    match garments {
-        [one] => garment(task, one),
-        several => {
+pub fn built(task: &Task, garments: &[Built], figures: &[Figures]) -> Value {
+    match (garments, figures) {
+        ([one], [figures]) => garment(task, one, figures),
+        _ => {
             let mut report = head(task, "built");
-            let garments = several.iter().map(|built| {
-                let mut report = garment(task, built);
+            let garments = garments.iter().zip(figures).map(|(built, figures)| {
+                let mut report = garment(task, built, figures);
                 report["prim"] = json!(built.prim);
                 report["names"] = built.names.all().collect();
                 if let Some(variant) = &built.variant {
@@ -191,9 +191,8 @@ pub fn built(task: &Task, garments: &[Built]) -> Value {
     }
 }
 
-fn garment(task: &Task, built: &Built) -> Value {
+fn garment(task: &Task, built: &Built, Figures { sim, render, cloth }: &Figures) -> Value {
     let p = &built.products;
-    let Some(Figures { sim, render, cloth }) = &built.figures else { return Value::Null };
     let mut report = json!({
         "packed": built.packed,
         "recipe": p.recipe,

@@ -114,18 +114,14 @@ pub fn print_error(error: &Error, input: Option<&Path>) {
 }
 
 /// The results of the inputs: the summary of one, or a table of several.
-pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
+pub fn outcomes(tasks: &[Task], outcomes: &[Outcome]) -> String {
     let summaries =
         outcomes.iter().filter_map(|o| if let Outcome::Built(s) = o { Some(s.text.as_str()) } else { None });
     match (tasks, outcomes) {
         _ if outcomes.iter().any(|outcome| planned(outcome).is_some()) => outcomes.iter().filter_map(planned).collect(),
         ([task], [Outcome::Fresh(_)]) => format!("{}: fresh\n", task.output.display()),
         ([_], _) => summaries.collect(),
-        _ => {
-            let mut t: String = summaries.filter(|_| verbose).collect();
-            t += &table(tasks, outcomes);
-            t
-        }
+        _ => summaries.collect::<String>() + &table(tasks, outcomes),
     }
 }
 
@@ -174,19 +170,19 @@ fn in_columns(severities: impl Iterator<Item = String>) -> String {
 }
 
 /// The summary of each garment of an input, at most one screen. Several are distinguished by their paths.
-pub fn summaries(task: &Task, garments: &[Built], verbose: bool) -> String {
+pub fn summaries(task: &Task, garments: &[Built], figures: &[Figures], verbose: bool) -> String {
     let input = task.input.display();
     let name = |built: &Built| match &built.variant {
         Some(variant) => format!("{input} {} {}={}", built.prim, variant.set, variant.choice),
         None if garments.len() > 1 => format!("{input} {}", built.prim),
         None => input.to_string(),
     };
-    let all = garments.iter().map(|b| format!("{} -> {}\n{}", name(b), task.output.display(), summary(b, verbose)));
-    all.collect()
+    let output = task.output.display();
+    let one = |(built, of): (&Built, &Figures)| format!("{} -> {output}\n{}", name(built), summary(built, of, verbose));
+    garments.iter().zip(figures).map(one).collect()
 }
 
-fn summary(built: &Built, verbose: bool) -> String {
-    let Some(Figures { sim: s, render: r, cloth: of_cloth }) = &built.figures else { return String::new() };
+fn summary(built: &Built, Figures { sim: s, render: r, cloth: of_cloth }: &Figures, verbose: bool) -> String {
     let (products, recipe) = (&built.products, &built.products.recipe);
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();

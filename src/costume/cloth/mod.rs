@@ -98,7 +98,7 @@ pub struct ClothFigures {
 }
 
 impl Cloth {
-    /// The cloth of the simulation mesh `mesh`, made of what was remeshed and the garment, whose edges have the length `mean_edge`.
+    /// The cloth of the simulation mesh `mesh`, whose triangles are `remeshed`. The garment has the mean edge length `mean_edge`.
     ///
     /// # Errors
     /// A fabric that is not known; `cloth.rest = panels` where the UV panels are not patterns.
@@ -106,14 +106,15 @@ impl Cloth {
         options: &ClothOptions,
         fabrics: &BTreeMap<String, FabricOptions>,
         garment: &Mesh,
-        RemeshResult { product, tables, .. }: &RemeshResult,
+        remeshed: &RemeshResult,
         mesh: &Mesh,
         pattern: Pattern,
         mean_edge: f32,
     ) -> Result<(Self, Warnings), Error> {
         let mut warnings = Warnings::default();
         let (fabrics, fabric_of) = assigned(options, fabrics, mesh)?;
-        let surface = Surface::new(product, tables.topology(), mesh);
+        let product = &remeshed.product;
+        let surface = Surface::new(product, remeshed.topology(), mesh);
         let meters = garment.units.meters();
         let areas: Vec<f64> = surface.triangles().map(|t| surface::area(t) * meters * meters).collect();
         let fabric = |face: usize| fabrics[fabric_of[face] as usize].fabric;

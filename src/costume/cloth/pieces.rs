@@ -182,7 +182,7 @@ mod tests {
         let mut builder = Builder::new(on_sheet(has_sheet)).expect("a good mesh");
         let products = builder.update(&recipe).expect("a good recipe");
         let remeshed = &products.simulated.remeshed;
-        let surface = Surface::new(&remeshed.product, remeshed.tables.topology(), &products.sim);
+        let surface = Surface::new(&remeshed.product, remeshed.topology(), &products.sim);
         let areas = areas(&surface);
         let held = held(&surface, areas.len());
         let cloth = Cloth::new(&surface, &areas, 1.0);

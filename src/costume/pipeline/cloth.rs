@@ -6,10 +6,9 @@ use crate::fit::PanelRest;
 use crate::recipe::Recipe;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use tailor::pipeline::{Clock, MeshBuilder, RemeshResult, SimResult};
+use tailor::pipeline::{Clock, MeshBuilder, SimResult};
 use tailor::recipe::MeshRecipe;
 use tailor::render::Origins;
-use tailor::transfer::Locator;
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_mesh::step::{Same, Step};
@@ -20,47 +19,34 @@ type ClothInput = (Same<SimResult>, (String, bool), ClothOptions, BTreeMap<Strin
 /// The binding of a render mesh to a simulation mesh.
 pub type BindingStep = Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>;
 
-/// The steps from a simulation mesh to its cloth.
-pub struct ClothSteps {
-    garment: Arc<Mesh>,
-    mean_edge: f32,
-    cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
-}
+/// The step from a simulation mesh, which has a garment of its own, to its cloth.
+#[derive(Default)]
+pub struct ClothStep(Step<ClothInput, (Arc<Cloth>, Warnings)>);
 
 /// The steps that bind points to simulation meshes of one garment.
+#[derive(Default)]
 pub struct BindingSteps {
-    garment: Arc<Mesh>,
     render: BindingStep,
-    /// Those of the render mesh to the simulation meshes of all levels of detail.
+    /// The bindings of the render mesh to the simulation mesh of each level of detail.
     pub(super) levels: Vec<BindingStep>,
     cage: Step<Same<SimResult>, Arc<Binding>>,
 }
 
-impl ClothSteps {
-    /// The steps of a garment with its mean edge length.
-    pub fn new(garment: Arc<Mesh>, mean_edge: f32) -> Self {
-        Self { garment, mean_edge, cloth: Step::default() }
-    }
-
-    /// The garment.
-    pub fn garment(&self) -> &Arc<Mesh> {
-        &self.garment
-    }
-
-    /// The cloth of a resolved recipe, with its warnings; none without physics.
-    pub fn cloth(
+impl ClothStep {
+    /// The cloth of a resolved recipe, with its warnings; none without physics. The garment has this mean edge length.
+    pub fn update(
         &mut self,
         recipe: &Recipe,
+        (garment, mean_edge): (&Mesh, f32),
         simulated: &Arc<SimResult>,
         clock: &mut Clock<'_>,
     ) -> Result<Option<(Arc<Cloth>, Warnings)>, Error> {
         if recipe.cloth.physics.is_empty() {
             return Ok(None);
         }
-        let (garment, mean_edge) = (&self.garment, self.mean_edge);
         let panels = (recipe.sim.uv_set.clone(), recipe.fit.rest == PanelRest::Pattern);
         let input = (Same::from(simulated), panels, recipe.cloth.clone(), recipe.fabric.clone());
-        let cloth = self.cloth.get(input, |(simulated, (uv_set, is_kept), options, fabrics)| {
+        let cloth = self.0.get(input, |(simulated, (uv_set, is_kept), options, fabrics)| {
             let pattern = Pattern { uv_set, is_kept: *is_kept };
             let cloth =
                 || Cloth::new(options, fabrics, garment, &simulated.remeshed, &simulated.mesh, pattern, mean_edge);
@@ -71,16 +57,11 @@ impl ClothSteps {
 
     /// An estimate of the memory of the kept results. \[bytes\]
     pub fn bytes(&self) -> usize {
-        self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes())
+        self.0.last().map_or(0, |(cloth, _)| cloth.bytes())
     }
 }
 
 impl BindingSteps {
-    /// The steps of a garment.
-    pub fn new(garment: Arc<Mesh>) -> Self {
-        Self { garment, render: Step::default(), levels: Vec::new(), cage: Step::default() }
-    }
-
     /// The bindings of a render mesh and of the garment's own points, whose origins `meshes` computes if they are needed.
     pub fn update(
         &mut self,
@@ -93,10 +74,10 @@ impl BindingSteps {
         let of_render = self.render.get((Same::from(simulated), Same::from(render)), |_| {
             clock.run("binding", || Ok(Arc::new(bound(simulated, render, &meshes.origins(recipe)?))))
         })?;
-        let garment = &self.garment;
-        let of_cage = self
-            .cage
-            .get(Same::from(simulated), |_| Ok(Arc::new(bound(simulated, garment, &meshes.cage_origins()?))))?;
+        let of_cage = self.cage.get(Same::from(simulated), |_| {
+            let origins = meshes.cage_origins()?;
+            Ok(Arc::new(bound(simulated, meshes.sim_garment(), &origins)))
+        })?;
         Ok([of_render, of_cage])
     }
 
@@ -109,6 +90,5 @@ impl BindingSteps {
 
 /// The places of the points of a mesh, with these origins, on a simulation mesh of the same garment. All are in one frame.
 pub fn bound(simulated: &SimResult, mesh: &Mesh, origins: &Origins) -> Binding {
-    let RemeshResult { product, tables, .. } = &*simulated.remeshed;
-    Binding::new(&Locator::new(product, tables), &simulated.mesh, mesh, origins)
+    Binding::new(&simulated.remeshed.locator(), &simulated.mesh, mesh, origins)
 }

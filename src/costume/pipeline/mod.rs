@@ -21,7 +21,7 @@ pub use tailor::pipeline::{
 
 use crate::cloth::{Cloth, Rest};
 use crate::recipe::{Recipe, Resolved};
-use cloth::{BindingSteps, ClothSteps};
+use cloth::{BindingSteps, ClothStep};
 use std::sync::Arc;
 use tailor::render::operator::Operator;
 use tailor::sets::{DerivedSet, ListedSet};
@@ -58,7 +58,7 @@ pub fn build(mesh: &Garment, recipe: &Recipe) -> Result<Products, Error> {
 /// ```
 pub struct Builder {
     meshes: MeshBuilder,
-    cloth: ClothSteps,
+    cloth: ClothStep,
     bindings: BindingSteps,
     /// The cloth in the garment's own space.
     moved_cloth: Step<Same<Cloth>, Arc<Cloth>>,
@@ -76,9 +76,8 @@ impl Builder {
     }
 
     fn of(meshes: MeshBuilder) -> Self {
-        let cloth = ClothSteps::new(Arc::clone(meshes.sim_garment()), meshes.mean_edge_length());
-        let bindings = BindingSteps::new(Arc::clone(meshes.sim_garment()));
-        Self { meshes, cloth, bindings, moved_cloth: Step::default(), levels: Vec::new() }
+        let (cloth, bindings, moved_cloth) = Default::default();
+        Self { meshes, cloth, bindings, moved_cloth, levels: Vec::new() }
     }
 
     /// A builder of the same checked mesh, without results and operators of its own.
@@ -196,10 +195,10 @@ impl Builder {
         let (sim, render) = self.meshes.update_local(&resolved)?;
         let progress = self.meshes.progress().clone();
         let [mut clock, mut beside] = [Clock::new(&progress), Clock::new(&progress)];
-        self.follow_garment();
         let Self { meshes, cloth, bindings, .. } = self;
+        let (garment, mean_edge) = (Arc::clone(meshes.sim_garment()), meshes.mean_edge_length());
         let (cloth, [binding, cage_binding]) = progress.join(
-            || cloth.cloth(&recipe, &sim.simulated, &mut clock),
+            || cloth.update(&recipe, (&garment, mean_edge), &sim.simulated, &mut clock),
             || bindings.update(&sim.simulated, &render.mesh, meshes, &resolved.recipe, &mut beside),
         )?;
         clock.finish()?;
@@ -225,15 +224,6 @@ impl Builder {
             timings: [sim.timings, render.timings, clock.timings, beside.timings].concat(),
             simulated: sim.simulated,
         })
-    }
-
-    /// The steps of cloth and bindings begin anew where the derived sets of the simulation mesh are new.
-    fn follow_garment(&mut self) {
-        let garment = self.meshes.sim_garment();
-        if !Arc::ptr_eq(self.cloth.garment(), garment) {
-            self.cloth = ClothSteps::new(Arc::clone(garment), self.meshes.mean_edge_length());
-            self.bindings = BindingSteps::new(Arc::clone(garment));
-        }
     }
 
     /// A cloth out of the frame of the build.
@@ -271,8 +261,8 @@ impl Builder {
         self.meshes.derive_sim(&meshes.sets.sim);
         let progress = self.meshes.progress().clone();
         let mut clock = Clock::new(&progress);
-        self.follow_garment();
-        let cloth = self.cloth.cloth(&recipe, &sim.simulated, &mut clock)?;
+        let garment = (&**self.meshes.sim_garment(), self.meshes.mean_edge_length());
+        let cloth = self.cloth.update(&recipe, garment, &sim.simulated, &mut clock)?;
         clock.finish()?;
         Ok(cloth.map(|(cloth, warnings)| ClothUpdate { figures: cloth.figures(&sim.simulated.mesh), warnings }))
     }

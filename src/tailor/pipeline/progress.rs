@@ -31,20 +31,22 @@ impl Progress {
     /// Runs two parts of a build beside each other. A cancellation ends both.
     ///
     /// # Errors
-    /// Those of the first part, then those of the second.
+    /// The error of the first part, or else that of the second.
     pub fn join<A: Send, B: Send>(
         &self,
         first: impl FnOnce() -> Result<A, Error> + Send,
         second: impl FnOnce() -> Result<B, Error> + Send,
     ) -> Result<(A, B), Error> {
-        // Whichever part hears of it tells the other.
-        let heard = |error: &Error| {
+        let was_cancelled = AtomicBool::new(false);
+        // The part that hears of a cancellation passes it on to the other.
+        let pass_on = |error: &Error| {
             if error.kind == ErrorKind::Cancelled {
+                was_cancelled.store(true, Ordering::Relaxed);
                 self.cancel();
             }
         };
-        let (first, second) = rayon::join(|| first().inspect_err(heard), || second().inspect_err(heard));
-        if first.is_err() || second.is_err() {
+        let (first, second) = rayon::join(|| first().inspect_err(pass_on), || second().inspect_err(pass_on));
+        if was_cancelled.into_inner() {
             self.is_cancelled.store(false, Ordering::Relaxed);
         }
         Ok((first?, second?))
@@ -106,5 +108,48 @@ impl<'a> Clock<'a> {
     /// Cancellation.
     pub fn finish(&self) -> Result<(), Error> {
         self.progress.check()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs ten steps, and cancels before the one of this number.
+    fn steps(progress: &Progress, cancelled: Option<usize>) -> Result<usize, Error> {
+        let mut clock = Clock::new(progress);
+        for step in 0..10 {
+            if cancelled == Some(step) {
+                progress.cancel();
+            }
+            clock.run("step", || Ok(()))?;
+        }
+        Ok(clock.timings.len())
+    }
+
+    #[test]
+    fn a_cancellation_ends_both_parts_and_no_later_build() {
+        let progress = Progress::default();
+        let never_ends = || loop {
+            steps(&progress, None)?;
+        };
+        for _ in 0..20 {
+            let joined = progress.join(|| steps(&progress, Some(3)), never_ends);
+            assert_eq!(joined.map(|_: (usize, ())| ()).map_err(|e| e.kind), Err(ErrorKind::Cancelled));
+            assert_eq!(progress.join(|| steps(&progress, None), || steps(&progress, None)).expect("a build"), (10, 10));
+        }
+    }
+
+    #[test]
+    fn another_error_leaves_a_cancellation_to_the_next_build() {
+        let progress = Progress::default();
+        let fault = || Err::<(), _>(Error::new(ErrorKind::Internal, "", "a fault"));
+        let cancels = || {
+            progress.cancel();
+            Ok(())
+        };
+        assert_eq!(progress.join(fault, cancels).expect_err("a fault").kind, ErrorKind::Internal);
+        assert_eq!(steps(&progress, None).expect_err("it is cancelled").kind, ErrorKind::Cancelled);
+        assert!(steps(&progress, None).is_ok());
     }
 }

@@ -5,9 +5,9 @@ use crate::codes;
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
 use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, as_made, baseline_level, simulate};
-use crate::transfer::{LocatorTables, SetCurve, TransferResult, transfer};
+use crate::transfer::{Locator, LocatorTables, SetCurve, TransferResult, transfer};
 use std::sync::Arc;
-use tailor_mesh::connectivity::{CornerId, FaceId};
+use tailor_mesh::connectivity::{CornerId, FaceId, Topology};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
 use tailor_mesh::garment::{Elements, Mesh, Subset, face_sets_warning};
 use tailor_mesh::step::{Same, Step};
@@ -36,10 +36,21 @@ pub struct SimSteps {
 pub struct RemeshResult {
     /// The mesh.
     pub product: SimProduct,
-    /// What finds places on it.
-    pub tables: LocatorTables,
+    tables: LocatorTables,
     /// Warnings of it.
     pub warnings: Warnings,
+}
+
+impl RemeshResult {
+    /// The locator of places on the mesh.
+    pub fn locator(&self) -> Locator<'_> {
+        Locator::new(&self.product, &self.tables)
+    }
+
+    /// The topology of the mesh.
+    pub fn topology(&self) -> &Topology {
+        self.tables.topology()
+    }
 }
 
 /// A simulation mesh with attributes.
@@ -58,8 +69,8 @@ pub struct SimResult {
 impl SimResult {
     /// The quality figures.
     pub fn figures(&self) -> SimFigures {
-        let RemeshResult { product, tables, .. } = &*self.remeshed;
-        SimFigures::new(product, tables.topology(), &self.mesh, &self.curves, self.areas.clone(), self.islands)
+        let (remeshed, areas) = (&self.remeshed, self.areas.clone());
+        SimFigures::new(&remeshed.product, remeshed.topology(), &self.mesh, &self.curves, areas, self.islands)
     }
 }
 
@@ -263,7 +274,7 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
 
 fn simulated(garment: &Mesh, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
     let product = &remeshed.product;
-    let (transferred, mut warnings) = transfer(garment, product, &remeshed.tables, &sim.options);
+    let (transferred, mut warnings) = transfer(garment, &remeshed.locator(), &sim.options);
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(garment, &areas, &warnings));
     warnings.extend(uvs_flipped(product));

@@ -5,6 +5,7 @@
 
 use super::elements::ElementSet;
 use super::pieces::face_pieces;
+use crate::contact::{NearestSearch, Range};
 use glam::{DVec3, Vec3};
 use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, BTreeSet};
@@ -15,7 +16,7 @@ use tailor_mesh::garment::{Mesh, Subset};
 const LEAST_SHARE: f64 = 0.5;
 /// Share of the mean edge length by which a face may be away from its mirrored twin where a walk begins.
 const NEAR: f64 = 0.5;
-/// The same of a point that is compared by place.
+/// Share of the mean edge length by which a point may be away from its mirrored twin where places are compared.
 const SAME: f64 = 0.1;
 /// Faces of a piece from which a walk is tried.
 const TRIES: usize = 6;
@@ -115,8 +116,8 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self, pieces: &[ElementSet]) -> Symmetry {
-        let centres = Grid::new(NEAR * self.mean, self.t.faces.ids().map(|face| (face, self.centre(face))));
-        let points = Grid::new(SAME * self.mean, self.places.enumerated().map(|(vertex, &place)| (vertex, place)));
+        let centres = Places::new(NEAR * self.mean, self.t.faces.ids().map(|face| (face, self.centre(face))));
+        let points = Places::new(SAME * self.mean, self.places.enumerated().map(|(vertex, &place)| (vertex, place)));
         for piece in pieces {
             let ElementSet::Faces(piece) = piece else { continue };
             self.walk_piece(piece, &centres);
@@ -140,7 +141,7 @@ impl<'a> Search<'a> {
     }
 
     /// Walks a piece and its twin from one of its faces.
-    fn walk_piece(&mut self, piece: &BTreeSet<FaceId>, centres: &Grid<FaceId>) {
+    fn walk_piece(&mut self, piece: &BTreeSet<FaceId>, centres: &Places<FaceId>) {
         let mut tries = 0;
         for &face in piece {
             if self.faces[face].is_some() || tries == TRIES {
@@ -216,7 +217,7 @@ impl<'a> Search<'a> {
     }
 
     /// Compares the points of a piece by place; its faces have those with the same points for twins.
-    fn compare(&mut self, piece: &BTreeSet<FaceId>, points: &Grid<VertexId>) {
+    fn compare(&mut self, piece: &BTreeSet<FaceId>, points: &Places<VertexId>) {
         let t = self.t;
         for &vertex in piece.iter().flat_map(|&face| t.faces.vertices_of(face)) {
             let twin = self.vertices[vertex].or_else(|| points.nearest(self.mirrored(self.places[vertex])));
@@ -233,30 +234,24 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Elements by the cells of a grid that they are in.
-struct Grid<I> {
-    cell: f64,
-    all: FxHashMap<[i64; 3], Vec<(I, DVec3)>>,
+/// Elements by their places.
+struct Places<I> {
+    elements: Vec<I>,
+    points: Vec<Vec3>,
+    search: NearestSearch,
+    reach: f64,
 }
 
-impl<I: Copy> Grid<I> {
-    fn new(cell: f64, elements: impl Iterator<Item = (I, DVec3)>) -> Self {
-        let mut all = FxHashMap::<_, Vec<_>>::default();
-        elements.for_each(|(element, place)| all.entry(Self::key(cell, place)).or_default().push((element, place)));
-        Self { cell, all }
+impl<I: Copy> Places<I> {
+    fn new(reach: f64, elements: impl Iterator<Item = (I, DVec3)>) -> Self {
+        let (elements, points): (Vec<I>, Vec<Vec3>) = elements.map(|(of, place)| (of, place.as_vec3())).unzip();
+        Self { search: NearestSearch::of_points(&points), elements, points, reach }
     }
 
-    fn key(cell: f64, place: DVec3) -> [i64; 3] {
-        (place / cell).floor().as_i64vec3().to_array()
-    }
-
-    /// The nearest element within the size of a cell.
+    /// The nearest element within reach.
     fn nearest(&self, place: DVec3) -> Option<I> {
-        let [x, y, z] = Self::key(self.cell, place);
-        let beside = |at: i64| at.saturating_sub(1)..=at.saturating_add(1);
-        let cells = beside(x).flat_map(|x| beside(y).flat_map(move |y| beside(z).map(move |z| [x, y, z])));
-        let near = cells.filter_map(|cell| self.all.get(&cell)).flatten().map(|&(of, at)| (of, at.distance(place)));
-        let nearest = near.filter(|(_, far)| *far < self.cell).min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map(|(element, _)| element)
+        let range = Range { reach: self.reach, error: 0.0 };
+        let distance = |at: usize, from: DVec3| self.points[at].as_dvec3().distance_squared(from);
+        self.search.nearest_within(place.as_vec3(), range, |_, _| true, distance).map(|at| self.elements[at])
     }
 }

@@ -29,7 +29,7 @@ pub use coverage::{Coverage, Locator, LocatorTables};
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
 
-use crate::sim::{SimOptions, SimProduct};
+use crate::sim::SimOptions;
 use correspondence::Correspondence;
 use subsets::CarriedSubsets;
 use tailor_mesh::error::Warnings;
@@ -47,21 +47,17 @@ pub struct TransferResult {
     pub islands: usize,
 }
 
-/// Carries the attributes of `garment` to the simulation mesh `product`, which has these tables.
+/// Carries the attributes of `garment` to the simulation mesh of `locator`.
 ///
 /// Warns of what is lost.
-pub fn transfer(
-    garment: &Mesh,
-    product: &SimProduct,
-    tables: &LocatorTables,
-    options: &SimOptions,
-) -> (TransferResult, Warnings) {
-    let (mesh, locator) = (&tables.mesh, Locator::new(product, tables));
-    let coverage = Coverage::with_tables(product, tables, options);
+pub fn transfer(garment: &Mesh, locator: &Locator<'_>, options: &SimOptions) -> (TransferResult, Warnings) {
+    let Locator { product, tables } = *locator;
+    let mesh = &tables.mesh;
+    let coverage = Coverage::located(locator, options);
     let map = Correspondence::new(product, mesh, &coverage);
     let ((primvars, mut warnings), subsets) = rayon::join(
         || primvars::carry_all(garment, &map, options),
-        || subsets::carry_all(garment, &map, &locator, options),
+        || subsets::carry_all(garment, &map, locator, options),
     );
     let CarriedSubsets { mut subsets, curves, islands } = warnings.absorb(subsets);
     let uvs = primvars.iter().find(|primvar| primvar.name == options.uv_set && primvar.is_uv_set());

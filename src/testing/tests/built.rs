@@ -2,7 +2,7 @@
 
 use super::prepared::{Prepared, baseline};
 use tailor::sim::{SimOptions, SimProduct, simulate};
-use tailor::transfer::{LocatorTables, TransferResult, transfer};
+use tailor::transfer::{Locator, LocatorTables, TransferResult, transfer};
 use tailor_costume::recipe::Layers;
 use tailor_costume::{Builder, Products};
 use tailor_mesh::Garment;
@@ -40,7 +40,8 @@ impl Built {
 
     /// Transfer alone, made again with other options.
     pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> TransferResult {
-        transfer(&self.garment, product, &LocatorTables::new(product, self.garment.faces.len()), options).0
+        let tables = LocatorTables::new(product, self.garment.faces.len());
+        transfer(&self.garment, &Locator::new(product, &tables), options).0
     }
 
     /// The options of the simulation mesh that were used.

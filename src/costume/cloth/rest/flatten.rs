@@ -4,8 +4,8 @@
 //! each triangle takes the rotation of its wanted shape that fits best, each seam edge its direction, then one linear system
 //! gives the points. Its matrix is constant and factored once. Seam edges are constraints, by the alternating direction method of
 //! multipliers (Boyd, Parikh, Chu, Peleato and Eckstein 2011). Each step goes beyond its solution by the Chebyshev weights of Wang
-//! 2015, *A Chebyshev Semi-Iterative Approach for Accelerating Projective and Position-Based Dynamics*. A last pass moves the ends of seam edges alone until their
-//! lengths are right (Müller, Heidelberger, Hennix and Ratcliff 2007, *Position Based Dynamics*).
+//! 2015, *A Chebyshev Semi-Iterative Approach for Accelerating Projective and Position-Based Dynamics*. A last pass moves the ends of
+//! seam edges alone until their lengths are right (Müller, Heidelberger, Hennix and Ratcliff 2007, *Position Based Dynamics*).
 
 use super::cholesky::Cholesky;
 use glam::DVec2;

@@ -22,8 +22,9 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 pub use stretch::{CageStretch, Pattern};
 use stretch::{root_mean_square, target_edges};
+use tailor::contact::each_once;
 use tailor::sim::SimProduct;
-use tailor_mesh::connectivity::{CornerId, FaceId, VertexId};
+use tailor_mesh::connectivity::{CornerId, FaceId, VertexId, edit};
 use tailor_mesh::error::{Error, Warning};
 use tailor_mesh::garment::{Elements, Mesh};
 
@@ -128,8 +129,7 @@ impl Rest {
 
     /// The length of the half-edge at a corner of the simulation mesh.
     fn length(&self, corner: CornerId) -> f64 {
-        let next = CornerId::new(corner.index() - corner.index() % 3 + (corner.index() + 1) % 3);
-        f64::from(self.point(corner).distance(self.point(next)))
+        f64::from(self.point(corner).distance(self.point(edit::next(corner))))
     }
 
     /// The triangles of a shell, and their points.
@@ -353,9 +353,7 @@ impl<'a> Shells<'a> {
     fn modelled(&self, faces: &[usize]) -> (Vec<[usize; 3]>, Vec<Vec3>) {
         let mesh = self.surface.mesh;
         let vertices_of = |&face: &usize| mesh.faces.vertices_of(FaceId::new(face));
-        let mut vertices: Vec<VertexId> = faces.iter().flat_map(vertices_of).copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
+        let vertices: Vec<VertexId> = each_once(faces.iter().flat_map(vertices_of).copied().collect());
         let of = |face: &usize| [0, 1, 2].map(|k| vertices.partition_point(|&v| v < vertices_of(face)[k]));
         (faces.iter().map(of).collect(), vertices.iter().map(|&v| mesh.points[v]).collect())
     }

@@ -10,6 +10,14 @@ use glam::DVec3;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, Id, IdVec, Topology, VertexId};
+use tailor_mesh::subdivide;
+
+/// The cosine of the largest turn at which a line goes straight on.
+const STRAIGHT: f64 = 0.5;
+/// The length that an edge which is on no line counts for a path. \[own lengths\]
+const OFF_LINE: f64 = 2.0;
+/// The length that a turn by a right angle adds to a path. \[lengths of the edge after it\]
+const TURN: f64 = 0.5;
 
 type Found = Result<ElementSet, SetFault>;
 
@@ -47,9 +55,6 @@ fn loops_of(of: &Evaluation<'_>, arguments: &Arguments<'_>, mut wanted: Directed
     ElementSet::Edges(found).combine(Operation::Union, oriented(t, &rows))
 }
 
-/// The cosine of the largest turn at which a line goes straight on.
-const STRAIGHT: f64 = 0.5;
-
 pub fn onward(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let t = &of.sets.topology;
     let set = arguments.edges(of, 0)?;
@@ -60,9 +65,7 @@ pub fn onward(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     for (&end, edges) in edges_at(t, set.keys()).iter().filter(|(_, edges)| edges.len() == 1) {
         let way = (at(end) - at(other_end(t, edges[0], end))).normalize_or_zero();
         let straight = |edge: EdgeId| way.dot((at(other_end(t, edge, end)) - at(end)).normalize_or_zero());
-        let corners = t.vertex_corners.row(end).iter();
-        let around: BTreeSet<EdgeId> =
-            corners.flat_map(|&c| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]]).collect();
+        let around: BTreeSet<EdgeId> = subdivide::edges_at(t, end).collect();
         let fits = |edge: &EdgeId| !set.contains_key(edge) && straight(*edge) > STRAIGHT;
         // A line that the garment has comes before the edges of its faces.
         let next = around
@@ -127,10 +130,6 @@ pub fn path(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     }
 }
 
-/// How much longer than an edge of a line any other edge counts, and a turn by a right angle counts as so much of an edge.
-const OFF_LINE: f64 = 2.0;
-const TURN: f64 = 0.5;
-
 /// The way from one set of edges to another, edge by edge, that keeps to lines of the garment and goes straight on.
 fn along_lines(
     of: &Evaluation<'_>,
@@ -147,10 +146,7 @@ fn along_lines(
         vector(t.edges[edge]).length() * if is_line { 1.0 } else { OFF_LINE }
     };
     let shared = |a: EdgeId, b: EdgeId| t.edges[a].into_iter().find(|v| t.edges[b].contains(v));
-    let steps = |edge: EdgeId| {
-        let corners = t.edges[edge].into_iter().flat_map(|v| t.vertex_corners.row(v));
-        corners.flat_map(|&c| [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]]).collect()
-    };
+    let steps = |edge: EdgeId| t.edges[edge].into_iter().flat_map(|v| subdivide::edges_at(t, v)).collect();
     let distance = |a: EdgeId, b: EdgeId| {
         let turn = shared(a, b).map_or(0.0, |v| {
             let [before, after] = [[other_end(t, a, v), v], [v, other_end(t, b, v)]].map(vector);

@@ -25,7 +25,7 @@ const RUN: usize = 4;
 /// Added distance of a flipped triangle, as a share of its longest side.
 const FLIPPED_PENALTY: f32 = 0.5;
 
-/// What finds the triangles of a simulation mesh over points of its baseline, made once for each mesh.
+/// Tables of a simulation mesh and its baseline that a [`Locator`] reads, made once for each mesh.
 pub struct LocatorTables {
     pub(in crate::transfer) mesh: SimTopology,
     regions: Regions,
@@ -39,9 +39,11 @@ pub struct LocatorTables {
 }
 
 /// Finds the triangle of a simulation mesh over a point of its baseline, on the same panel, layer and side.
+#[derive(Clone, Copy)]
 pub struct Locator<'a> {
-    product: &'a SimProduct,
-    tables: &'a LocatorTables,
+    /// The simulation mesh.
+    pub product: &'a SimProduct,
+    pub(in crate::transfer) tables: &'a LocatorTables,
 }
 
 /// The barycentric coordinates of a triangle of the simulation mesh as an affine map, in UV or in space.
@@ -156,11 +158,9 @@ impl<'a> Locator<'a> {
             }
             nearest.map_or(f32::INFINITY, |nearest| nearest.distance_squared)
         };
-        // Most points have one face on all sides.
-        let each = || faces.chunk_by(|a, b| a == b).map(|same| same[0]);
         // The triangles of the box that is nearest are looked at first, and leave few others to look at.
         let (mut first, mut distance) = (None, f32::INFINITY);
-        for face in each() {
+        for &face in faces {
             for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
                 let own = aabb.distance_squared(from);
                 if own < distance || first.is_none() {
@@ -170,7 +170,7 @@ impl<'a> Locator<'a> {
         }
         let first = first?;
         let mut least = look_at(self.tables.run(first));
-        for face in each() {
+        for &face in faces {
             for (i, aabb) in self.tables.boxes.row(face).iter().enumerate() {
                 if aabb.distance_squared(from) <= least && (face, i) != first {
                     least = look_at(self.tables.run((face, i)));

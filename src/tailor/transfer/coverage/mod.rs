@@ -37,12 +37,13 @@ impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length. The garment has
     /// `source_faces` faces.
     pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
-        Self::with_tables(product, &LocatorTables::new(product, source_faces), options)
+        Self::located(&Locator::new(product, &LocatorTables::new(product, source_faces)), options)
     }
 
-    /// [`Coverage::new`] with what locates points on the simulation mesh.
-    pub(super) fn with_tables(product: &SimProduct, tables: &LocatorTables, options: &SimOptions) -> Self {
-        let (base, mesh, locator) = (&product.baseline, &tables.mesh, &Locator::new(product, tables));
+    /// [`Coverage::new`] of the simulation mesh of a locator.
+    pub(super) fn located(locator: &Locator<'_>, options: &SimOptions) -> Self {
+        let Locator { product, tables } = locator;
+        let (base, mesh) = (&product.baseline, &tables.mesh);
         let plan = SamplePlan::new(product, &mesh.source_triangles, options);
         let source_faces = mesh.source_triangles.rows();
         let buffers = || (Vec::new(), AreaTally::new(product.triangles.len()));

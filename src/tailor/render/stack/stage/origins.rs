@@ -1,6 +1,7 @@
 //! Where the vertices of the render mesh lie on the garment.
 
 use super::{SourceFaces, StageSteps, Start, connectivity};
+use crate::contact::each_once;
 use crate::render::stack::Stage;
 use glam::Vec3;
 use std::sync::Arc;
@@ -13,7 +14,7 @@ use tailor_mesh::subdivide::{Derivation, carried_points};
 pub struct Origins {
     /// The position without the heights of operators. All layers of a hem have that of the first. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
-    /// Faces of the garment around each vertex, ascending.
+    /// Faces of the garment around each vertex, each once, ascending.
     pub faces: Csr<VertexId, FaceId>,
 }
 
@@ -36,7 +37,13 @@ impl OriginTrace {
     pub fn origins(self, sources: &SourceFaces) -> Origins {
         let Self { points, faces, .. } = self;
         let around = faces.corners().enumerated().map(|(corner, &v)| (v, sources[faces.face_of(corner)]));
-        Origins { faces: Csr::group(points.len(), around, FaceId::new(0)), points }
+        let around = Csr::group(points.len(), around, FaceId::new(0));
+        let (mut offsets, mut once) = (vec![0], Vec::with_capacity(points.len()));
+        for vertex in points.ids() {
+            once.extend(each_once(around.row(vertex).to_vec()));
+            offsets.push(once.len() as u32);
+        }
+        Origins { faces: Csr::from_parts(offsets, once), points }
     }
 
     /// Vertices keep their numbers; copies are where their originals are.
