@@ -20,10 +20,17 @@ async function hoverAt(preview, at) {
   return preview.state(({ hovered, outlines }) => ({ ...hovered, outlines }));
 }
 
+/** The points of a mesh on the chest, where nothing lies before it and the camera looks at it from the front. */
+const onChest = (role) => {
+  const points = observed.points[role];
+  const isThere = (at) => Math.abs(points[3 * at]) < 12 && points[3 * at + 1] > 95 && points[3 * at + 1] < 125 && points[3 * at + 2] > 5;
+  return Array.from({ length: points.length / 3 }, (_, at) => at).filter(isThere);
+};
+
 /** Points at the middle of an edge on a mesh, by what is drawn where the pointer is near it. */
 async function overEdge(preview, role) {
-  const { points } = (await preview.meshes())[role];
-  for (let point = 0; point < points; point += Math.ceil(points / 60)) {
+  const points = await preview.evaluate(onChest, role);
+  for (const point of points.filter((_, at) => at % Math.ceil(points.length / 60) === 0)) {
     const at = await preview.evaluate(([role, point]) => preview.view.project(role, point), [role, point]);
     const near = at && (await hoverAt(preview, at));
     if (near?.role !== role || !near.edge) continue;
@@ -55,8 +62,7 @@ for (const role of ["render", "sim"]) {
       },
       [role, found.point, found.edge],
     );
-    // The place itself may be hidden behind cloth that lies near it.
-    assert.ok(fromEdge(place, a, b) < 3 * meanEdge, `from ${a} to ${b} is the edge at ${place}`);
+    assert.ok(fromEdge(place, a, b) < 0.5 * meanEdge, `from ${a} to ${b} is the edge at ${place}`);
     assert.deepEqual(found.outlines.map(({ path }) => path.startsWith("M")), [true, true, true], "it is drawn on three meshes");
     assert.equal(await preview.page.locator("svg.outline").count(), 3);
     const box = await preview.page.locator("canvas").boundingBox();

@@ -47,6 +47,25 @@ test("cards come first, their sets are in words, and meshes are switches with an
   await role.click();
   await preview.when(() => !preview.store.state.settings.roles.includes("render"));
   assert.notEqual(await eye(), open, "a mesh that is hidden has a closed eye");
+  // Heat of a mesh that is not there yet is announced: the answers of the server wait.
+  const [said, then] = await preview.evaluate(async () => {
+    const [socket, held] = [observed.sockets.at(-1), []];
+    const { onmessage } = socket;
+    socket.onmessage = (event) => held.push(event);
+    const legend = async () => {
+      await new Promise(requestAnimationFrame);
+      return document.querySelector(".legends").innerText;
+    };
+    preview.store.settings({ shading: "values", values: "quality:length" });
+    const said = await legend();
+    while (held.length === 0) await new Promise(requestAnimationFrame);
+    socket.onmessage = onmessage;
+    held.forEach((event) => onmessage(event));
+    while (preview.store.state.heat === null) await new Promise(requestAnimationFrame);
+    return [said, await legend()];
+  });
+  assert.match(said, /heat is being made/i);
+  assert.doesNotMatch(then, /being made/i);
   assertClean(preview);
 });
 

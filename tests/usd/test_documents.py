@@ -1,13 +1,12 @@
 """The commands of the documents run as they are printed, on the examples."""
 
-import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from conftest import EXAMPLES, ROOT
+from documents import run_script
 from mesh import find_model
 from pxr import Usd, UsdGeom
 
@@ -22,25 +21,13 @@ def section(page, heading):
 
 def run_blocks(text, usdtailor, folder):
     """Runs the blocks `sh` of a text, and writes its scripts, whose first line is their name. Returns what was printed."""
-    programs = folder / "programs"
-    programs.mkdir()
-    (programs / "usdtailor").symlink_to(Path(usdtailor).absolute())
-    # The interpreter is not resolved, so that it finds the packages of its environment.
-    (programs / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
-    (programs / "python").chmod(0o755)
-    path = os.pathsep.join([str(programs), os.environ["PATH"]])
     printed, count = "", 0
     for indent, kind, code in BLOCK.findall(text):
         code = re.sub(rf"^{indent}", "", code, flags=re.M)
         if kind == "python":
             (folder / re.match(r"# (\w+\.py)\n", code).group(1)).write_text(code)
             continue
-        done = subprocess.run(
-            ["bash", "-euo", "pipefail", "-c", code], cwd=folder, env={**os.environ, "PATH": path},
-            capture_output=True, text=True, check=False, timeout=300,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-        printed, count = printed + done.stdout, count + 1
+        printed, count = printed + run_script(code, usdtailor, folder).stdout, count + 1
     assert count, "no commands"
     return printed
 

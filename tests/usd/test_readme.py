@@ -1,13 +1,11 @@
 """The tutorial of the README runs as it is printed."""
 
-import os
 import re
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from conftest import EXAMPLES, ROOT
+from documents import run_script
 from pxr import Usd
 
 SECTION = "Five minutes"
@@ -29,18 +27,7 @@ def test_the_tutorial_runs_as_printed(usdtailor, tmp_path):
     # An empty folder: the tutorial needs no clone.
     work = tmp_path / "work"
     work.mkdir()
-    programs = tmp_path / "programs"
-    programs.mkdir()
-    (programs / "usdtailor").symlink_to(Path(usdtailor).absolute())
-    # The interpreter is not resolved, so that it finds the packages of its environment.
-    (programs / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
-    (programs / "python").chmod(0o755)
-    path = os.pathsep.join([str(programs), os.environ["PATH"]])
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", script], cwd=work, env={**os.environ, "PATH": path},
-        capture_output=True, text=True, check=False, timeout=300,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = run_script(script, usdtailor, work)
     # The text says that there is none.
     assert re.findall(r"warning\[([\w-]+)\]", done.stderr) == []
 

@@ -34,7 +34,7 @@ struct Known {
 }
 
 impl Known {
-    /// What was converted, by its file.
+    /// The converted layers, or the flattened stage, each with its file.
     fn all(&self) -> impl Iterator<Item = (&PathBuf, &Converted)> {
         self.converted.iter().flatten().filter_map(|(place, converted)| Some((place, converted.as_ref()?)))
     }

@@ -1,4 +1,4 @@
-//! What the USD library cannot read, as another program writes it anew.
+//! Layers and stages that the USD library cannot read: another program writes them anew.
 //!
 //! Layers are converted one by one: paths, variants and the layers below stay what they are. Where that does not help, as for edits of
 //! arrays and for packages in packages, the whole stage is flattened, and stands for the layer of its file.
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tailor_mesh::error::{Error, Warning};
 
-/// What another program writes anew as a crate.
+/// A layer or a stage that another program is to write anew as a crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Foreign<'a> {
     /// The layer: a file, or an entry of a package as `package[entry]`.

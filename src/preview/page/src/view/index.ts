@@ -17,6 +17,7 @@ import { aspectOf, columnAt, columns, largeOf, ROLES, sameColumns, splitAt } fro
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
+import { outlineOf } from "./outline";
 import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
 import type { Rig } from "./camera/rig";
@@ -262,7 +263,7 @@ class CanvasView implements View {
   }
 
   screenshot(): Promise<Blob> {
-    // What is new has no samples yet, and a draft has too few pixels.
+    // A picture that has just changed has no samples yet, and a draft has too few pixels.
     if (this.#awaited || this.#stage.isDraft) this.#draw(false);
     this.#still.finish();
     return new Promise((resolve, reject) => {
@@ -494,22 +495,10 @@ class CanvasView implements View {
   #outlineIn(column: Column, { face, edge }: Picked): Outline[] {
     const [model, cloth] = [this.#stage.cloths.get("model"), this.#stage.solidOf(column)];
     if (!model || !cloth || column.split?.isKept) return [];
-    const { x, y, width, height, flat } = column;
     const elements = this.#markers.carried(model, cloth, edge ? { edges: [edge] } : { faces: [face] });
-    const { segments, triangles } = shapesOf(cloth, elements, flat);
-    const rig = this.#cameras.of(flat);
+    const rig = this.#cameras.of(column.flat);
     rig.place(aspectOf(column));
-    const place = new Vector3();
-    const line = (corners: string[]) => `M${corners.join("L")}Z`;
-    const corner = (numbers: number[], at: number) => {
-      const on = toCanvas(place.fromArray(numbers, at).project(rig.camera), { ...column, x: 0, y: 0 });
-      return `${on.x.toFixed(1)} ${on.y.toFixed(1)}`;
-    };
-    const parts = (numbers: number[], size: number) =>
-      Array.from({ length: numbers.length / (3 * size) }, (_, part) =>
-        line(Array.from({ length: size }, (_, at) => corner(numbers, 3 * (size * part + at)))),
-      );
-    return [{ x, y, width, height, path: [...parts(segments, 2), ...parts(triangles, 3)].join("") }];
+    return [outlineOf(column, rig.camera, shapesOf(cloth, elements, column.flat))];
   }
 
   /** Thickens the edge set under the pointer. */
