@@ -3,10 +3,8 @@
 use crate::sim::{BluntRidge as Ridge, NarrowStrip, SimProduct};
 use rayon::prelude::*;
 use serde::Serialize;
-use tailor_mesh::connectivity::{CornerId, FaceId, VertexId};
+use tailor_mesh::connectivity::{CornerId, VertexId};
 
-/// Distance up to which one search is enough. From farther out, one may end at a chain. \[target lengths\]
-const NEAR: f32 = 0.05;
 /// The angle from which a triangle counts as steep. \[degrees\]
 pub(super) const STEEP: f32 = 60.0;
 
@@ -62,7 +60,7 @@ pub(super) struct OnSurface {
     pub angle: f32,
 }
 
-/// Measures each triangle. A search starts at the nearest of the baseline faces of the triangle's corners.
+/// Measures each triangle. Each search starts at the baseline faces of the triangle's corners.
 pub(super) fn on_surface(product: &SimProduct) -> Vec<OnSurface> {
     let baseline = &product.baseline;
     let of = |(i, t): (usize, &[VertexId; 3])| {
@@ -70,13 +68,7 @@ pub(super) fn on_surface(product: &SimProduct) -> Vec<OnSurface> {
         let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
         let starts = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)].location.face);
         let middles = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)];
-        let near = middles.map(|point| {
-            let distance = |&face: &FaceId| baseline.on_triangle(face, point).distance_squared;
-            let nearest = starts.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-            let found = baseline.closest(nearest.unwrap_or(starts[0]), point);
-            let is_near = found.distance_squared <= (NEAR * target).powi(2);
-            if is_near { found } else { baseline.closest_from(starts, point) }
-        });
+        let near = middles.map(|point| baseline.closest_from(starts, point));
         let surface = baseline.normal(near[0].location.face).normalize_or_zero();
         let cosine = (b - a).cross(c - a).normalize_or_zero().dot(surface);
         OnSurface {
