@@ -293,9 +293,9 @@ impl<'a> Shells<'a> {
             .map(|(shell, faces)| {
                 let has_seam = |face: &usize| (0..3).any(|k| seams.contains_key(&CornerId::new(3 * face + k)));
                 match free {
+                    _ if !self.is_pattern(shell) => self.modelled(faces),
                     Some(free) if !faces.iter().any(has_seam) => free.shell(faces),
-                    _ if self.is_pattern(shell) => self.panel(shell, faces, free, seams),
-                    _ => self.modelled(faces),
+                    _ => self.panel(shell, faces, free, seams),
                 }
             })
             .collect();
@@ -374,5 +374,43 @@ impl<'a> Shells<'a> {
         // Each side is off by half of their difference.
         figures.seam_difference = 2.0 * seams.iter().map(difference).fold(0.0, f64::max);
         figures
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::pipeline::build;
+    use crate::recipe::Recipe;
+    use tailor_testing::sheets::{grid, with_uvs};
+
+    /// Two sheets: a bent one, and a dome whose UVs are 45 times too long one way and 30 times too short the other (as large as it, in
+    /// all), so that nothing is known of its stretch before it is laid flat.
+    #[test]
+    fn a_shell_that_does_not_lie_flat_rests_as_modelled() {
+        let mut garment = grid(9, 4, |x, _| x != 4);
+        garment.primvars.clear();
+        let mut garment = with_uvs(garment, |_, v| match ((v % 10) as f32, (v / 10) as f32) {
+            (x, y) if x < 4.5 => [x, y],
+            (x, y) => [45.0 * x, y / 30.0],
+        });
+        for (i, point) in garment.points.iter_mut().enumerate().filter(|(i, _)| i % 10 > 4) {
+            let [x, y] = [(i % 10) as f32 - 5.0, (i / 10) as f32].map(|at| (std::f32::consts::PI * at / 4.0).sin());
+            point.z = 2.0 * x * y;
+        }
+        let products = build(&garment, &Recipe::default()).expect("two sheets");
+        let rest = products.cloth.as_ref().and_then(|cloth| cloth.rest.clone()).expect("a shape at rest");
+        let modelled: Vec<usize> = (0..rest.is_flat.len()).filter(|&face| !rest.is_flat[face]).collect();
+        assert!(
+            (10..rest.is_flat.len() - 10).contains(&modelled.len()),
+            "{} of {}",
+            modelled.len(),
+            rest.is_flat.len()
+        );
+        for (face, id) in products.sim.faces.ids().enumerate().filter(|(face, _)| !rest.is_flat[*face]) {
+            let corners = products.sim.faces.vertices_of(id);
+            for (&v, &at) in corners.iter().zip(&rest.triangles[face]) {
+                assert_eq!(rest.points[at as usize], products.sim.points[v], "{face}");
+            }
+        }
     }
 }

@@ -22,6 +22,8 @@ const BEYOND_CHAIN: f32 = 0.05;
 const MAX_SEARCHED: usize = 96;
 /// Triangles of the baseline that share a box. Fewer make more boxes to look at.
 const RUN: usize = 4;
+/// Most that a point on a triangle is off by rounding, as a share of the largest coordinate.
+const ROUNDING: f32 = 1e-6;
 /// Added distance of a flipped triangle, as a share of its longest side.
 const FLIPPED_PENALTY: f32 = 0.5;
 
@@ -102,9 +104,12 @@ impl LocatorTables {
         let maps = of.enumerated().map(map).collect();
         let start = starts(product, &regions, &of);
         let points = |&triangle: &FaceId| product.baseline.triangle(triangle).map(Vec3A::from);
+        // Distances of triangles are rounded, and may be less than those of boxes that fit closely.
+        let farthest = product.baseline.points.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        let rounded = move |aabb: Aabb| aabb.expanded(ROUNDING * farthest);
         let runs = |source| {
             let runs = mesh.source_triangles.row(source).chunks(RUN);
-            runs.map(move |run| (source, Aabb::of(run.iter().flat_map(points))))
+            runs.map(move |run| (source, rounded(Aabb::of(run.iter().flat_map(points)))))
         };
         let boxes = Csr::group(source_faces, (0..source_faces).map(FaceId::new).flat_map(runs), Aabb::EMPTY);
         Self { mesh, regions, maps, across, start, boxes }
