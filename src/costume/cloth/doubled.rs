@@ -2,7 +2,6 @@
 
 use super::surface::Surface;
 use rayon::prelude::*;
-use tailor::contact::each_once;
 use tailor_mesh::connectivity::{FaceId, VertexId};
 use tailor_mesh::meter;
 
@@ -17,9 +16,10 @@ pub fn doubled(surface: &Surface<'_>, thickness: impl Fn(FaceId) -> f32 + Sync) 
         let vertex = VertexId::new(vertex);
         let around: Vec<FaceId> = surface.topology.faces_at(vertex).collect();
         let reach = around.iter().map(|&face| thickness(face)).fold(0.0, f32::max);
-        let ring: Vec<VertexId> = each_once(around.iter().flat_map(|&near| faces.vertices_of(near)).copied().collect());
-        let touches = |face: FaceId| faces.vertices_of(face).iter().any(|v| ring.contains(v));
-        let near = surface.near(surface.mesh.points[vertex], reach, MOST_NEAR, |face| !touches(face));
+        let ring = || around.iter().flat_map(|&face| faces.vertices_of(face));
+        let touches = |face: FaceId| faces.vertices_of(face).iter().any(|v| ring().any(|of| of == v));
+        let is_apart = |face| !around.contains(&face) && !touches(face);
+        let near = surface.near(surface.mesh.points[vertex], reach, MOST_NEAR, is_apart);
         let pairs = near.into_iter().flat_map(|near| around.iter().map(move |&face| [face, near]));
         pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect::<Vec<_>>()
     };

@@ -22,7 +22,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 pub use stretch::{CageStretch, Pattern};
 use stretch::{root_mean_square, target_edges};
-use tailor::contact::each_once;
 use tailor::sim::SimProduct;
 use tailor_mesh::connectivity::{CornerId, FaceId, VertexId, edit};
 use tailor_mesh::error::{Error, Warning};
@@ -352,10 +351,15 @@ impl<'a> Shells<'a> {
     /// A shell as it is on the mesh.
     fn modelled(&self, faces: &[usize]) -> (Vec<[usize; 3]>, Vec<Vec3>) {
         let mesh = self.surface.mesh;
-        let vertices_of = |&face: &usize| mesh.faces.vertices_of(FaceId::new(face));
-        let vertices: Vec<VertexId> = each_once(faces.iter().flat_map(vertices_of).copied().collect());
-        let of = |face: &usize| [0, 1, 2].map(|k| vertices.partition_point(|&v| v < vertices_of(face)[k]));
-        (faces.iter().map(of).collect(), vertices.iter().map(|&v| mesh.points[v]).collect())
+        let vertices = faces.iter().flat_map(|&face| mesh.faces.vertices_of(FaceId::new(face)));
+        let mut corners: Vec<(VertexId, usize)> = vertices.copied().zip(0..).collect();
+        corners.sort_unstable();
+        let (mut triangles, mut points) = (vec![[0; 3]; faces.len()], Vec::new());
+        for around in corners.chunk_by(|a, b| a.0 == b.0) {
+            around.iter().for_each(|&(_, corner)| triangles[corner / 3][corner % 3] = points.len());
+            points.push(mesh.points[around[0].0]);
+        }
+        (triangles, points)
     }
 
     fn figures(&self, rest: &Rest, seams: &BTreeMap<CornerId, f64>) -> RestFigures {
