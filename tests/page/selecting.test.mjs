@@ -185,6 +185,47 @@ test("a border is picked from beyond the cloth, and its set added to a seam that
   assertClean(preview);
 });
 
+test("selected faces get smaller triangles, and again those of their surroundings", async (t) => {
+  const garment = bareShirt(t);
+  const preview = await show(t, garment, { viewport: SCREEN });
+  const { page } = preview;
+  const select = async (expression, pattern) => {
+    await page.keyboard.press("e");
+    await page.keyboard.type(expression);
+    await page.keyboard.press("Enter");
+    await selected(preview, pattern);
+  };
+  const density = async () => (await preview.document()).merged.sim?.density ?? "";
+  await select("rings(borders.1, 2)", /^rings\(borders\.1, 2\)$/);
+  const bar = page.getByRole("toolbar", { name: "Selection" });
+  const isDisabled = (name) => bar.getByRole("button", { name }).isDisabled();
+  assert.deepEqual([await isDisabled("Finer"), await isDisabled("Coarser")], [true, true], "the shirt has a painted density");
+  await page.keyboard.press("d");
+  await page.getByText("The density is painted").waitFor();
+  const before = (await preview.after("sim", () => preview.set("sim.density", ""))).sim.faces;
+  assert.deepEqual([await isDisabled("Finer"), await isDisabled("Coarser")], [false, true], "nothing is finer yet");
+  const finer = (await preview.after("sim", () => bar.getByRole("button", { name: "Finer" }).click())).sim.faces;
+  assert.ok(finer > 1.2 * before, `${finer} and ${before} triangles`);
+  assert.equal(await density(), "rings(borders.1, 2)");
+  assert.equal(await expressionOf(preview), null, "the selection ends");
+
+  await select("rings(borders.1)", /^rings\(borders\.1\)$/);
+  const less = (await preview.after("sim", () => page.keyboard.press("Shift+d"))).sim.faces;
+  assert.ok(before < less && less < finer, `${before}, ${less}, ${finer}`);
+  assert.equal(await density(), "rings(borders.1, 2) - rings(borders.1)");
+  const file = join(dirname(garment), "finer.usda");
+  await save(preview, file);
+  assertSame(await preview.points("sim"), (await build(t, file)).sim, "the simulation mesh is that on screen");
+  await preview.after("sim", () => page.keyboard.press("Control+z"));
+  assert.equal(await density(), "rings(borders.1, 2)", "one step of undo");
+
+  await select("borders.1", /^borders\.1$/);
+  await page.keyboard.press("d");
+  await page.getByText("select faces first").waitFor();
+  assert.equal(await density(), "rings(borders.1, 2)");
+  assertClean(preview);
+});
+
 test("keys that follow the name of a new operator at once go where they are typed", async (t) => {
   const preview = await show(t, bareShirt(t), { viewport: SCREEN });
   const { keyboard } = preview.page;

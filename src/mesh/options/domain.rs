@@ -1,7 +1,7 @@
 //! The values that an option takes, and their checks.
 
 use super::Given;
-use super::bind::{LARGEST, fits_garment, float_primvar, subset_of};
+use super::bind::{LARGEST, fits_garment, subset_of};
 use crate::codes;
 use crate::error::Error;
 use crate::garment::Mesh;
@@ -68,7 +68,7 @@ pub enum Domain {
     Prims,
     /// A UV set, or empty.
     UvSet,
-    /// A painted float primvar, or empty.
+    /// A painted float primvar, a set, or empty.
     Weights,
     /// Subsets, or expressions of derived sets.
     Sets {
@@ -147,7 +147,6 @@ impl Domain {
     pub(super) fn bind(&self, key: &str, given: Given, garment: &Mesh) -> Result<(), Error> {
         match (self, given) {
             (Self::Length { largest, .. }, Given::Number(value)) => fits_garment(key, value, *largest, garment),
-            (Self::Weights, Given::Text(name)) => float_primvar(garment, key, name).map(|_| ()),
             (Self::Sets { of, .. }, Given::Names(names)) => {
                 let mut subsets = names.iter().filter(|name| garment.subset(name).is_some());
                 subsets.try_for_each(|name| subset_of(garment, key, name, of))

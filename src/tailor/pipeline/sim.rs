@@ -117,17 +117,17 @@ impl SimSteps {
 
 /// The surface that the simulation mesh of a garment lies on.
 pub fn baseline(garment: &Mesh, sim: &ResolvedSim) -> Baseline {
-    Baseline::new(garment, &sim.options, sim.lengths(garment), sim.uv_set(garment))
+    Baseline::at_level(garment, &sim.options, sim.lengths(), sim.uv_set(garment), surface_level(garment, sim))
 }
 
 /// The refinements that give that surface.
 pub fn surface_level(garment: &Mesh, sim: &ResolvedSim) -> u32 {
-    baseline_level(garment, &sim.options, sim.lengths(garment))
+    baseline_level(garment, &sim.options, sim.lengths())
 }
 
 /// The triangles that the target lengths ask for, all of them equilateral.
 pub fn expected_faces(garment: &Mesh, sim: &ResolvedSim) -> usize {
-    let lengths = sim.lengths(garment);
+    let lengths = sim.lengths();
     let wanted = garment.faces.ids().map(|face| {
         let vertices = garment.faces.vertices_of(face);
         let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
@@ -181,7 +181,7 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     let mut product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
     if made.is_some() {
         let level = product.baseline.levels.len() as u32;
-        product = product.on(Baseline::at_level(form, options, sim.lengths(form), sim.uv_set(form), level));
+        product = product.on(Baseline::at_level(form, options, sim.lengths(), sim.uv_set(form), level));
     }
     let mut warnings = Warnings::default();
     warnings.extend(confetti);

@@ -3,16 +3,14 @@
 //! Each group of options is declared where it is used, by [`options!`](tailor_mesh::options::options). A recipe lists groups
 //! ([`recipe!`]): [`MeshRecipe`] those of the two meshes, and a program that makes more of a garment lists more.
 
-mod bind;
 mod groups;
 mod resolved;
 mod sets;
 mod uv_set;
 
 pub use crate::__recipe as recipe;
-pub use bind::{bind, bind_uv_set};
 pub use groups::{MeshRecipe, check_counts, full_name};
-pub use resolved::{ResolvedMeshes, ResolvedSim};
+pub use resolved::{ResolvedMeshes, ResolvedSim, bind_uv_set};
 pub use sets::{RecipeSets, named_sets};
 pub use uv_set::resolve_uv_set;
 

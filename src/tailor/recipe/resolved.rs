@@ -1,12 +1,14 @@
 //! The options of the two meshes for one garment.
 
-use super::bind::{bind, bind_uv_set};
 use super::uv_set::resolve_uv_set;
 use super::{MeshRecipe, RecipeSets, UsedGroup};
+use crate::sets::{weights_named, weights_of};
 use crate::sim::{Lengths, SimOptions, length_scale};
+use std::borrow::Cow;
+use std::sync::Arc;
 use tailor_mesh::error::{Error, Warnings};
-use tailor_mesh::garment::{Mesh, Primvar};
-use tailor_mesh::options::{Scale, float_primvar};
+use tailor_mesh::garment::{Mesh, Primvar, Subset};
+use tailor_mesh::options::{Scale, primvar};
 
 /// The options of the two meshes, with values that are checked against one garment: lengths are in mesh units, and names are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,8 +28,8 @@ pub struct ResolvedSim {
     pub options: SimOptions,
     /// Index of the UV set in the garment's primvars, if its seams are constraints.
     uv_set: Option<usize>,
-    /// Index of the painted density in the garment's primvars.
-    density: Option<usize>,
+    /// The density, painted or that of a set.
+    density: Option<Arc<Primvar>>,
 }
 
 impl ResolvedMeshes {
@@ -51,28 +53,36 @@ impl ResolvedMeshes {
     /// As [`ResolvedMeshes::new`].
     pub fn of_groups(recipe: MeshRecipe, groups: &[UsedGroup<'_>], garment: &Mesh) -> Result<(Self, Warnings), Error> {
         let (sets, warnings) = RecipeSets::new(groups, &recipe.sim.uv_set, garment)?;
-        bind(groups, garment)?;
-        let sim = ResolvedSim::new(&recipe.sim, garment)?;
+        groups.iter().try_for_each(|(prefix, options)| options.bind(prefix, garment))?;
+        let sim = ResolvedSim::new(&recipe.sim, &sets.sim, garment)?;
         Ok((Self { recipe, sim, sets }, warnings))
     }
 }
 
+/// Finds the UV set; `None` if the name is empty.
+///
+/// # Errors
+/// A primvar that is missing or has another type.
+pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Mesh) -> Result<Option<&'a Primvar>, Error> {
+    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", |p| p.is_uv_set())
+}
+
 impl ResolvedSim {
-    /// Options with their lengths for a garment.
+    /// Options with their lengths for a garment with derived sets.
     ///
     /// # Errors
     /// A primvar that the garment lacks.
-    pub fn new(options: &SimOptions, garment: &Mesh) -> Result<Self, Error> {
-        let index =
-            |found: Option<&Primvar>| garment.primvars.iter().position(|p| found.is_some_and(|f| f.name == p.name));
-        let uv_set = index(bind_uv_set(options, garment)?).filter(|_| options.constrain_uv_seams);
-        let density = index(float_primvar(garment, "sim.density", &options.density)?);
+    pub fn new(options: &SimOptions, derived: &[Subset], garment: &Mesh) -> Result<Self, Error> {
+        let uv_set = bind_uv_set(options, garment)?.filter(|_| options.constrain_uv_seams);
+        let uv_set = uv_set.and_then(|set| garment.primvars.iter().position(|primvar| primvar.name == set.name));
+        let of_derived = || derived.iter().find(|set| set.name == options.density).map(|set| weights_of(garment, set));
+        let density = weights_named(garment, &options.density).map(Cow::into_owned).or_else(of_derived).map(Arc::new);
         Ok(Self { options: options.clone(), uv_set, density })
     }
 
     /// The options that remeshing reads; those of transfer have one value.
     pub fn without_transfer(&self) -> Self {
-        Self { options: self.options.without_transfer(), ..*self }
+        Self { options: self.options.without_transfer(), ..self.clone() }
     }
 
     /// The UV set whose shell borders are constraints.
@@ -81,8 +91,8 @@ impl ResolvedSim {
     }
 
     /// The target lengths.
-    pub fn lengths<'a>(&self, garment: &'a Mesh) -> Lengths<'a> {
-        let density = self.density.map(|index| &garment.primvars[index]);
+    pub fn lengths(&self) -> Lengths<'_> {
+        let density = self.density.as_deref();
         Lengths { min: self.options.min_edge_length, max: self.options.max_edge_length, density }
     }
 }

@@ -8,6 +8,9 @@ use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{DERIVED, Mesh, Subset};
 use tailor_mesh::options::{Domain, Given, Key, OptionGroup, float_primvar, subset_of};
 
+/// The elements of the sets that weights take.
+const ANY: &[&str] = &["face", "edge", "point"];
+
 /// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecipeSets {
@@ -31,18 +34,27 @@ impl RecipeSets {
             let sets = if is_operator { &mut found.render } else { &mut found.sim };
             for (key, of, names) in named_sets(*options) {
                 let place = format!("{prefix}.{}", key.key);
-                for name in names.iter().filter(|name| garment.subset(name).is_none()) {
+                let are_weights = matches!(key.domain, Domain::Weights);
+                for name in names.into_iter().filter(|name| garment.subset(name).is_none()) {
+                    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
+                    let is_painted = is_primvar && of.contains(&"point");
+                    if is_painted || are_weights && is_subset_name(name) {
+                        float_primvar(garment, &place, name)?;
+                    }
+                    if is_painted && are_weights {
+                        continue;
+                    }
                     if !sets.iter().any(|set| set.name == *name) {
-                        let weights = painted(garment, &place, name, of)?;
-                        if weights.is_none() && is_subset_name(name) {
+                        if !is_painted && is_subset_name(name) {
                             subset_of(garment, &place, name, of)?;
                         }
-                        let expression = weights.as_ref().unwrap_or(name);
+                        let painted = is_painted.then(|| format!("weight({})", quoted(name)));
+                        let expression = painted.as_deref().unwrap_or(name);
                         let derived = evaluator.evaluate(expression).map_err(|fault| fault.at(&place))?;
                         if derived.elements.is_empty() {
                             warnings.push(empty(&place, name, &derived.notes));
                         }
-                        let (name, family) = (name.clone(), DERIVED.to_owned());
+                        let (name, family) = (name.to_owned(), DERIVED.to_owned());
                         sets.push(Subset { name, family, elements: derived.elements, sharpness: None });
                     }
                     let kind = sets.iter().find(|set| set.name == *name).map_or("", |set| set.elements.kind());
@@ -56,25 +68,17 @@ impl RecipeSets {
     }
 }
 
-/// The keys of a group that name sets, with the kinds of elements that they take, and the names or expressions.
+/// The keys of a group that name sets, with the kinds of elements that they take, and the names or expressions. A name of weights
+/// may be that of a primvar.
 pub fn named_sets(
     options: &dyn OptionGroup,
-) -> impl Iterator<Item = (&'static Key, &'static [&'static str], &[String])> {
+) -> impl Iterator<Item = (&'static Key, &'static [&'static str], Vec<&str>)> {
     let sets = |(key, given): (&'static Key, _)| match (key.domain, given) {
-        (Domain::Sets { of, .. }, Given::Names(names)) => Some((key, of, names)),
+        (Domain::Sets { of, .. }, Given::Names(names)) => Some((key, of, names.iter().map(String::as_str).collect())),
+        (Domain::Weights, Given::Text(name)) if !name.is_empty() => Some((key, ANY, vec![name])),
         _ => None,
     };
     options.group().keys.iter().zip(options.given()).filter_map(sets)
-}
-
-/// The expression of the points above the middle of painted weights, where `name` is a primvar and points are wanted.
-fn painted(garment: &Mesh, place: &str, name: &str, of: &[&str]) -> Result<Option<String>, Error> {
-    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
-    if !is_primvar || !of.contains(&"point") {
-        return Ok(None);
-    }
-    float_primvar(garment, place, name)?;
-    Ok(Some(format!("weight({})", quoted(name))))
 }
 
 fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {

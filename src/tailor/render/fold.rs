@@ -21,6 +21,7 @@ use super::operator::{
 };
 use super::options::OperatorOptions;
 use crate::codes;
+use crate::sets::weights_named;
 use cover::{Cover, layer_ends};
 use ends::{Ends, square_edges};
 use glam::Vec3;
@@ -83,9 +84,9 @@ options! {
         "turn" turn: f32 = 1.0,
             Domain::Number { least: 0.0, most: Some(1.5), or_zero: false, usual: [0.0, 1.5], step: 0.1 }, "half thicknesses";
 
-        /// Painted vertex primvar, named without `primvars:`, that scales the thickness; 0 tucks the layer in, and empty is 1
-        /// everywhere
-        "weights" weights: String = String::new(), Domain::Weights, "name of a primvar";
+        /// Painted vertex primvar, named without `primvars:`, or a set as in sim.density, that scales the thickness; 0 tucks the
+        /// layer in, and empty is 1 everywhere
+        "weights" weights: String = String::new(), Domain::Weights, "name of a primvar, or a set";
 
         /// Position of the second layer, inner behind the surface or outer in front of it
         "side" side: Side = Side::Inner, Domain::Choice { words: &["inner", "outer"] }, "inner or outer";
@@ -163,7 +164,7 @@ impl Fold {
 
     /// The painted weights on the limit surface.
     fn weights(&self, cage: &OperatorInput) -> Option<Vec<f32>> {
-        let painted = cage.garment.primvar(&self.options.weights)?;
+        let painted = weights_named(cage.garment, &self.options.weights)?;
         let Values::F32(values) = &painted.values else { return None };
         let values: Vec<[f32; 1]> = (0..cage.garment.points.len()).map(|v| [values[painted.row(v)]]).collect();
         Some((&cage.level.limit_rows()).apply(&values).into_iter().flatten().collect())

@@ -14,6 +14,7 @@ mod select;
 mod symmetry;
 #[cfg(test)]
 mod tests;
+mod weights;
 
 pub use evaluate::Function;
 pub use expression::{quoted, split_list};
@@ -22,6 +23,7 @@ pub use functions::checksum;
 pub use list::ListedSet;
 pub use select::Change;
 pub use symmetry::Symmetry;
+pub use weights::{weights_named, weights_of};
 
 use crate::codes;
 use elements::ElementSet;

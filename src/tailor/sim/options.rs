@@ -37,9 +37,9 @@ options! {
         /// the same length if no density is painted
         "minEdgeLength" min_edge_length: f32 = 0.0, TARGET, "mesh units" via "tailor_mesh::garment::units::deserialize_length";
 
-        /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; empty is 0
-        /// everywhere
-        "density" density: String = String::new(), Domain::Weights, "name of a primvar";
+        /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; a set is 1,
+        /// and less on two rings of edges around it; empty is 0 everywhere
+        "density" density: String = String::new(), Domain::Weights, "name of a primvar, or a set";
 
         /// Largest ratio of neighbouring target lengths, 1.05 or more, which shortens the longer one; 0 sets no limit
         "grading" grading: f32 = 0.0,
@@ -51,9 +51,9 @@ options! {
         /// Face subsets whose details the simulation mesh leaves out: a fair surface through their surroundings replaces them
         "smooth" smooth: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: false }, "names of subsets";
 
-        /// Painted vertex primvar, named without `primvars:`, from 0 for the surface as modelled to 1 for the fair one of smooth;
-        /// empty is 0 everywhere
-        "smoothWeights" smooth_weights: String = String::new(), Domain::Weights, "name of a primvar";
+        /// Painted vertex primvar, named without `primvars:`, or a set as in density: from 0 for the surface as modelled to 1 for the
+        /// fair one of smooth; empty is 0 everywhere
+        "smoothWeights" smooth_weights: String = String::new(), Domain::Weights, "name of a primvar, or a set";
 
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";

@@ -53,7 +53,7 @@ pub struct TransferResult {
 pub fn transfer(garment: &Mesh, locator: &Locator<'_>, options: &SimOptions) -> (TransferResult, Warnings) {
     let Locator { product, tables } = *locator;
     let mesh = &tables.mesh;
-    let coverage = Coverage::located(locator, options);
+    let coverage = Coverage::new(locator, options);
     let map = Correspondence::new(product, mesh, &coverage);
     let ((primvars, mut warnings), subsets) = rayon::join(
         || primvars::carry_all(garment, &map, options),

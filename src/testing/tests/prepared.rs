@@ -42,5 +42,5 @@ pub fn baseline(prepared: &Prepared, level: u32) -> Baseline {
 
 /// The baseline of options whose lengths are resolved.
 pub fn baseline_of(garment: &Mesh, options: &SimOptions) -> Result<Baseline, Error> {
-    Ok(tailor::pipeline::baseline(garment, &ResolvedSim::new(options, garment)?))
+    Ok(tailor::pipeline::baseline(garment, &ResolvedSim::new(options, &[], garment)?))
 }

@@ -2,8 +2,8 @@
 
 use super::Baseline;
 use super::facets::{Layout, facets, free_flipped};
-use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
+use crate::sets::weights_named;
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::{Chain, ChainKind};
 use crate::sim::constraints::feature_lines::{BluntRidge, FeatureSurface, NarrowStrip};
@@ -25,14 +25,9 @@ use tailor_mesh::subdivide::Level;
 const GROWTH: f32 = 0.3;
 
 impl Baseline {
-    /// Refines and triangulates a garment and finds its chains.
+    /// Refines and triangulates a garment so often, and finds its chains.
     ///
     /// `uv_set` is the primvar whose shells are constraints, if there is one.
-    pub fn new(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
-        Self::at_level(garment, options, lengths, uv_set, baseline_level(garment, options, lengths))
-    }
-
-    /// As [`Baseline::new`], refined so often.
     pub fn at_level(
         garment: &Mesh,
         options: &SimOptions,
@@ -51,7 +46,7 @@ impl Baseline {
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
         let kinds = constrained_edges(garment, &manifold, options, is_seam, &small_shells, &is_hole);
-        let weights = garment.primvar(&options.smooth_weights).and_then(|p| painted(&manifold, &levels, p));
+        let weights = weights_named(garment, &options.smooth_weights).and_then(|p| painted(&manifold, &levels, &p));
         let details = Details { garment, options, levels: &all_levels, source_face, weights };
         let closed_details = details.smooth(&kinds, &mut points);
         let quads = Triangulation::new(&finest.topology, &points, |f| !is_hole[source_face[f]]);

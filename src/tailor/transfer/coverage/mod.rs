@@ -5,7 +5,7 @@ mod locator;
 mod regions;
 mod samples;
 
-use crate::sim::{SimOptions, SimProduct};
+use crate::sim::SimOptions;
 use rayon::prelude::*;
 use samples::{AreaTally, SamplePlan};
 use tailor_mesh::connectivity::{Csr, FaceId, IdVec};
@@ -34,14 +34,8 @@ pub struct Coverage {
 }
 
 impl Coverage {
-    /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length. The garment has
-    /// `source_faces` faces.
-    pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
-        Self::located(&Locator::new(product, &LocatorTables::new(product, source_faces)), options)
-    }
-
-    /// [`Coverage::new`] of the simulation mesh of a locator.
-    pub(super) fn located(locator: &Locator<'_>, options: &SimOptions) -> Self {
+    /// Samples the baseline of a simulation mesh: `transferSamples` for each equilateral triangle of the target length.
+    pub fn new(locator: &Locator<'_>, options: &SimOptions) -> Self {
         let Locator { product, tables } = locator;
         let (base, mesh) = (&product.baseline, &tables.mesh);
         let plan = SamplePlan::new(product, &mesh.source_triangles, options);

@@ -1,14 +1,17 @@
 //! Options of the simulation mesh that change where its vertices lie: what each promises, with it and without it.
 
 use super::{MAX_FACES, baseline, prepare};
+use crate::built::build;
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use tailor::codes;
 use tailor::sim::{SimProduct, simulate};
 use tailor_costume::Builder;
+use tailor_costume::recipe::Layers;
 use tailor_mesh::connectivity::{CornerId, VertexId};
 use tailor_mesh::error::Warning;
-use tailor_mesh::garment::{BoundaryInterpolation, Garment, Values};
+use tailor_mesh::garment::{BoundaryInterpolation, Garment, SubsetInput, Values};
 use tailor_testing::sheets;
 
 /// A sheet whose density jumps from vertex to vertex.
@@ -44,6 +47,74 @@ fn graded_lengths_grow_no_faster_than_asked_for() {
         assert!(pairs().all(|(graded, free)| graded <= free), "{factor}: grading only shortens");
         assert_eq!(graded.report.graded, pairs().filter(|(graded, free)| graded < free).count(), "{factor}");
     }
+}
+
+#[test]
+fn a_set_is_a_density_that_falls_by_rings_of_edges() {
+    let mut input = sheets::grid(8, 1, |_, _| true);
+    input.primvars.retain(|primvar| primvar.name != "density");
+    input.subsets.clear();
+    let cuff = |kind: &str, indices| SubsetInput {
+        name: "cuff".into(),
+        element_type: kind.into(),
+        family: String::new(),
+        indices,
+    };
+    let lengths = |kind: &str, indices: Vec<i32>, density: &str| -> Vec<f32> {
+        let mut input = input.clone();
+        input.subsets.push(cuff(kind, indices));
+        let density = format!("sim.density={density}");
+        let options = ["sim.minEdgeLength=0.1", "sim.maxEdgeLength=0.4", "sim.baselineLevel=0", &density];
+        let made = baseline(&prepare(input, &options));
+        let columns: BTreeMap<usize, BTreeSet<u32>> =
+            made.points.enumerated().fold(BTreeMap::new(), |mut all, (v, p)| {
+                all.entry(p.x as usize).or_default().insert((made.target[v] * 1e4).round() as u32);
+                all
+            });
+        columns.into_values().flatten().map(|length| length as f32 / 1e4).collect()
+    };
+    let of_ends = [0.1, 0.2, 0.3, 0.4, 0.4, 0.4, 0.4, 0.4, 0.4];
+    let of_face = [0.1, 0.1, 0.2, 0.3, 0.4, 0.4, 0.4, 0.4, 0.4];
+    assert_eq!(lengths("face", vec![0], "cuff"), of_face);
+    assert_eq!(lengths("edge", vec![0, 9], "cuff"), of_ends);
+    assert_eq!(lengths("point", vec![0, 9], "cuff"), of_ends);
+}
+
+#[test]
+fn a_set_makes_triangles_smaller_where_it_is() {
+    let mut input = sheets::grid(12, 6, |_, _| true);
+    let (name, element_type) = ("cuff".into(), "face".into());
+    let indices = (0..6).map(|row| 12 * row).collect();
+    input.subsets.push(SubsetInput { name, element_type, family: String::new(), indices });
+    let made = |density: &str| {
+        let density = format!("sim.density={density}");
+        build(input.clone(), &["sim.minEdgeLength=0.2", "sim.maxEdgeLength=0.6", &density]).products.sim
+    };
+    let sim = made("cuff");
+    let mean = |within: Range<f32>| {
+        let edges = sim.faces.corners().ids().map(|corner| sim.faces.half_edge(corner).map(|v| sim.points[v]));
+        let within = edges.filter(|ends| ends.iter().all(|p| within.contains(&p.x)));
+        let lengths: Vec<f32> = within.map(|[a, b]| a.distance(b)).collect();
+        lengths.iter().sum::<f32>() / lengths.len() as f32
+    };
+    let [near, far] = [mean(-0.1..1.1), mean(6.0..12.1)];
+    assert!((0.16..0.25).contains(&near) && (0.5..0.7).contains(&far), "{near} {far}");
+    // A set that an expression describes is as good as one of the mesh.
+    assert_eq!(made("points(cuff)").points, sim.points);
+    assert_eq!(made("faces(points(cuff)) & cuff").points, sim.points);
+}
+
+#[test]
+fn a_density_that_is_neither_painted_nor_a_set_is_refused() {
+    let fault = |density: &str| {
+        let mut layers = Layers::default();
+        layers.add_override(&format!("sim.density={density}")).expect("a value");
+        let mut builder = Builder::new(uneven()).expect("a sheet");
+        builder.update(&layers.recipe().expect("a recipe")).map(|_| ()).expect_err(density).to_string()
+    };
+    let misspelt = fault("densty");
+    assert!(misspelt.contains("did you mean density?") && misspelt.contains("sim.density"), "{misspelt}");
+    assert!(fault("nearly(borders)").contains("nearly"));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use crate::nearest::Nearest;
 use std::collections::BTreeSet;
 use tailor::codes;
 use tailor::sim::SimOptions;
-use tailor::transfer::Coverage;
+use tailor::transfer::{Coverage, Locator, LocatorTables};
 use tailor_costume::recipe::Layers;
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput, Values};
@@ -39,7 +39,9 @@ pub fn edges(mesh: &Mesh, name: &str) -> Vec<[VertexId; 2]> {
 /// Samples of their own: ten times as many, from elsewhere.
 fn independent(built: &Built) -> Coverage {
     let options = SimOptions { transfer_samples: 320, seed: 77, ..built.options().clone() };
-    Coverage::new(&built.product(), built.garment.faces.len(), &options)
+    let product = built.product();
+    let tables = LocatorTables::new(&product, built.garment.faces.len());
+    Coverage::new(&Locator::new(&product, &tables), &options)
 }
 
 /// A garment as the command builds it, with more options.

@@ -2,6 +2,7 @@
 
 import type { Before, Role } from "../server/protocol";
 import { openBuild } from "./build";
+import { setFiner } from "./density";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
@@ -40,6 +41,7 @@ export const KEYS: [string, string][] = [
   ["B", "Select the border of the selected faces"],
   ["+ −", "Select one row of faces more or less around the selection"],
   ["N", "New seam along the selected edges, new fold of the selected faces"],
+  ["D", "Smaller triangles on the selected faces; with Shift again larger ones"],
   ["E", "Type the selection as an expression"],
   ["Esc", "End a mark, show all panels, end the selection, close what is open"],
   ["?", "This list"],
@@ -101,6 +103,7 @@ function plain(store: Store, event: KeyboardEvent): void {
     event.preventDefault();
     store.update({ isSelecting: true, clicked: null });
   }
+  if (key === "d") setFiner(store, !event.shiftKey);
   select(store, key);
   // Shift gives digits other signs.
   const digit = Number(/^(?:Digit|Numpad)(\d)$/.exec(event.code)?.[1] ?? 0);

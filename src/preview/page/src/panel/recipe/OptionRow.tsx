@@ -6,6 +6,7 @@ import type { Value } from "../../server/options";
 import type { Domain, Fault, Option } from "../../server/protocol";
 import { automaticLength } from "../../state/garment";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
+import { wordsOf } from "../../state/selection";
 import { isMixed, keysWith } from "../../state/cards";
 import { Segments, Select, Switch } from "../controls/controls";
 import { NumberField } from "../controls/NumberField";
@@ -113,8 +114,9 @@ function Control({ option, full, ...described }: ControlProps) {
       }
       return <Segments {...described} value={String(value)} choices={choices} change={set} />;
     }
-    case "uvSet":
-    case "weights": {
+    case "weights":
+      return <WeightsSelect value={String(value)} change={set} {...described} />;
+    case "uvSet": {
       const names = fitting(primvars, domain.type).map(({ name }) => name);
       const all = value === "" || names.includes(String(value)) ? names : [String(value), ...names];
       const differ = described.mixed ? [{ value: MIXED, label: "mixed" }] : [];
@@ -138,17 +140,33 @@ function Control({ option, full, ...described }: ControlProps) {
   }
 }
 
-interface FabricSelectProps {
+interface NamedSelectProps {
   label: string;
   describedBy: string;
   invalid: boolean;
-  words: string[];
+  /** Whether cards that are edited together differ. */
+  mixed: boolean;
   value: string;
   change(value: string): void;
 }
 
+/** Painted weights, a set, or the selection. */
+function WeightsSelect({ value, change, mixed, ...described }: NamedSelectProps) {
+  const garment = useSelect((state) => state.garment);
+  const selection = useSelect((state) => state.selection);
+  const painted = fitting(garment?.primvars ?? [], "weights").map(({ name }) => ({ value: name, label: name }));
+  const sets = (garment?.sets ?? []).map(({ name }) => ({ value: name, label: wordsOf(name) }));
+  const known = ["", ...[...painted, ...sets].map((each) => each.value)];
+  const own = known.includes(value) || mixed ? [] : [{ value, label: wordsOf(value) }];
+  const selected = selection && selection.expression !== value ? [{ value: selection.expression, label: "The selection" }] : [];
+  const first = [...(mixed ? [{ value: MIXED, label: "mixed" }] : []), { value: "", label: "none" }, ...own, ...selected];
+  const groups = [{ choices: first }, { label: "Painted", choices: painted }, { label: "Sets", choices: sets }];
+  const take = (chosen: string) => chosen !== MIXED && change(chosen);
+  return <Select {...described} value={mixed ? MIXED : value} groups={groups.filter(({ choices }) => choices.length > 0)} change={take} />;
+}
+
 /** A fabric that every recipe has, or one of this recipe. */
-function FabricSelect({ words, value, ...described }: FabricSelectProps) {
+function FabricSelect({ words, value, ...described }: NamedSelectProps & { words: string[] }) {
   const own = useSelect(({ document }) => document.merged.fabric) ?? {};
   const choices = (names: string[]) => names.map((name) => ({ value: name, label: name }));
   const known = [...Object.keys(own), ...words];

@@ -1,6 +1,7 @@
 // What is selected, and what may be done with it.
 
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { densityOf, paintedHint, setFiner } from "../../state/density";
 import { addFromSelection, kindFor } from "../../state/operators";
 import { shortName, WAYS, type Selection } from "../../state/selection";
 import { Icon } from "../controls/icons";
@@ -19,6 +20,7 @@ export function SelectionBar() {
       </p>
       <Field />
       {selection && <Ways kind={selection.kind} />}
+      {selection?.kind === "face" && <Density />}
       {selection && <MakeButton />}
       <CloseButton />
     </div>
@@ -118,6 +120,36 @@ function Ways({ kind }: { kind: Selection["kind"] }) {
           <Icon name="plus" />
         </button>
       </span>
+    </>
+  );
+}
+
+function Density() {
+  const store = useStore();
+  const isLive = useLive();
+  const name = useSelect((state) => densityOf(state).name);
+  const isPainted = useSelect((state) => densityOf(state).isPainted);
+  const hint = (text: string) => (isPainted ? paintedHint(name) : text);
+  return (
+    <>
+      <button
+        type="button"
+        class="button is-small"
+        title={hint("Smaller triangles of the simulation mesh here (D)")}
+        disabled={!isLive || isPainted}
+        onClick={() => setFiner(store, true)}
+      >
+        Finer
+      </button>
+      <button
+        type="button"
+        class="button is-small"
+        title={hint("Again larger triangles here (Shift D)")}
+        disabled={!isLive || isPainted || !name}
+        onClick={() => setFiner(store, false)}
+      >
+        Coarser
+      </button>
     </>
   );
 }
