@@ -87,6 +87,8 @@ class BuildArguments(_WriteArguments, total=False):
     """Build for each variant of this set."""
     render_per_panel: bool
     """Write a render mesh for each of the panels that are sewn together."""
+    sim_only: bool
+    """Write the simulation mesh with its physics, and no render mesh."""
     lod_schema: "str | None"
     """``variants`` or ``usdLod``."""
     mark: bool

@@ -73,7 +73,7 @@ pub struct Summary {
 /// The figures of the products of a garment.
 pub struct Figures {
     pub sim: SimFigures,
-    pub render: RenderFigures,
+    pub render: Option<RenderFigures>,
     pub cloth: Option<ClothFigures>,
 }
 
@@ -96,10 +96,16 @@ pub struct Built {
 }
 
 impl Built {
+    /// The render mesh, if it is written.
+    pub fn render(&self) -> Option<&Mesh> {
+        (!self.names.render.is_empty()).then_some(&*self.products.render)
+    }
+
     /// Measures the products, and notes the time of it.
     fn measure(&mut self) -> Figures {
         let (products, start) = (&self.products, Instant::now());
-        let (sim, render, cloth) = (products.sim_figures(), products.render_figures(), products.cloth_figures());
+        let (sim, cloth) = (products.sim_figures(), products.cloth_figures());
+        let render = self.render().map(RenderFigures::new);
         self.timings.push(Timing { name: "figures", seconds: start.elapsed().as_secs_f64() });
         Figures { sim, render, cloth }
     }
@@ -210,11 +216,11 @@ fn summary(build: &Build, task: &Task, mut garments: Vec<Built>, is_told: bool, 
     let is_reported = build.report.is_some();
     let figures: Vec<Figures> =
         if is_told || is_reported { garments.iter_mut().map(Built::measure).collect() } else { Vec::new() };
-    let faces = |of: fn(&Products) -> &Mesh| garments.iter().map(|built| of(&built.products).faces.len()).sum();
+    let faces = |of: fn(&Built) -> Option<&Mesh>| garments.iter().filter_map(of).map(|mesh| mesh.faces.len()).sum();
     Summary {
         text: if is_told { text::summaries(task, &garments, &figures, build.inputs.verbose) } else { String::new() },
         report: if is_reported { report::built(task, &garments, &figures) } else { Value::Null },
-        faces: [faces(|products| &products.sim), faces(|products| &products.render)],
+        faces: [faces(|built| Some(&built.products.sim)), faces(Built::render)],
         warnings: warnings(garments),
         seconds: start.elapsed().as_secs_f64(),
     }
@@ -230,10 +236,12 @@ fn warnings(garments: Vec<Built>) -> Warnings {
 /// The outcome of a dry run.
 fn planned(task: &Task, garments: Vec<Built>) -> Outcome {
     let mut text = format!("{} -> {}: would write", task.input.display(), task.output.display());
-    for Built { products: Products { sim, render, .. }, names, variant, .. } in &garments {
+    for built in &garments {
+        let Built { products, names, variant, .. } = built;
         let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
-        let ([triangles, faces], renders) = ([sim.faces.len(), render.faces.len()], names.render.join(" and "));
-        text += &format!(" {triangles} triangles to {}, {faces} faces to {renders}{within};", names.sim);
+        let rendered = |render: &Mesh| format!(", {} faces to {}", render.faces.len(), names.render.join(" and "));
+        let rendered = built.render().map(rendered).unwrap_or_default();
+        text += &format!(" {} triangles to {}{rendered}{within};", products.sim.faces.len(), names.sim);
     }
     Outcome::Planned { text: text.trim_end_matches(';').to_owned() + "\n", warnings: warnings(garments) }
 }
@@ -260,6 +268,7 @@ fn built(
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
                 let names = leveled(build, &source, &recipe, names)?;
+                let recipe = if build.sim_only { recipe.of_sim() } else { recipe };
                 sources.push(source);
                 checked.push((limited(builder, build, task, budget, bar, step), recipe, names, variant.clone()));
             }
@@ -291,6 +300,15 @@ fn built(
 /// The names of the products of a garment at all levels of detail.
 fn leveled(build: &Build, source: &Source, recipe: &Recipe, names: ProductNames) -> Result<ProductNames, Error> {
     let levels = recipe.lod.levels;
+    if build.sim_only {
+        let faults = [
+            (levels > 1, "levels of detail are of both meshes", "set lod.levels to 1"),
+            (source.has_products(), "the input has a render mesh of another build", "name the file without products"),
+        ];
+        let fault = faults.into_iter().find(|(is_there, ..)| *is_there);
+        let refused = fault.map(|(_, fault, remedy)| Error::recipe("--sim-only", fault).remedy(remedy));
+        return refused.map_or(Ok(ProductNames { render: Vec::new(), ..names }), Err);
+    }
     if levels > 1 {
         variants::refuse_products(source, "lod.levels", "levels of detail")?;
     }
@@ -350,7 +368,8 @@ fn write(
         sets: build.sets,
         lod_schema: build.lod_schema,
         force: build.force,
-        model_guide: !build.keep_model_purpose,
+        // Without a render mesh, the model is what is drawn.
+        model_guide: !(build.keep_model_purpose || build.sim_only),
         dry_run,
         record: Some(record.with_warnings(garments.iter().flat_map(|built| built.warnings.iter()))),
         held: task.held.clone(),

@@ -170,6 +170,9 @@ struct Build {
     /// Write a render mesh for each of the panels that are sewn together, named after it
     #[arg(long, help_heading = "Output")]
     render_per_panel: bool,
+    /// Write the simulation mesh with its physics, and no render mesh
+    #[arg(long, help_heading = "Output", conflicts_with_all = ["render_per_panel", "mark"])]
+    sim_only: bool,
     /// How levels of detail are written: as variants of the set LOD, or below a prim with LODRootAPI (OpenUSD 26.11)
     #[arg(long, value_name = "WHICH", default_value = "variants", value_parser = choice::<LodSchema>(["variants", "usdLod"]), help_heading = "Output")]
     lod_schema: LodSchema,

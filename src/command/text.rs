@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::SimOptions;
-use tailor::report::SimFigures;
+use tailor::report::{RenderFigures, SimFigures};
 use tailor_costume::{ClothFigures, Products, Recipe, Timing};
 use tailor_mesh::Units;
 use tailor_mesh::error::{Error, ErrorCode, ErrorKind, Warning};
@@ -218,23 +218,7 @@ fn summary(built: &Built, Figures { sim: s, render: r, cloth: of_cloth }: &Figur
         s.distance_max, s.distance_mean
     );
     t += &features(s);
-    let _ = writeln!(
-        t,
-        "  render  {} vertices, {} faces, {:.1} % quads, level {}",
-        r.vertices,
-        r.faces,
-        percent(r.quads),
-        recipe.render.level
-    );
-    for (name, panel) in built.names.render.iter().zip(built.panels.iter().flatten()) {
-        let (vertices, faces) = (panel.mesh.points.len(), panel.mesh.faces.len());
-        let _ = writeln!(t, "          {name}: {vertices} vertices, {faces} faces");
-    }
-    let operators = &products.operators;
-    if !operators.is_empty() {
-        let s = if operators.len() == 1 { "" } else { "s" };
-        let _ = writeln!(t, "          {} operator{s}: {}", operators.len(), operators.join(", "));
-    }
+    t += &r.as_ref().map(|r| render(built, r)).unwrap_or_default();
     t += &level_lines(built);
     if let Some(figures) = of_cloth {
         t += &cloth(figures, s.short_edges.len());
@@ -267,6 +251,22 @@ fn summary(built: &Built, Figures { sim: s, render: r, cloth: of_cloth }: &Figur
             let _ = writeln!(t, "  packed  {}", file.display());
         }
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
+    }
+    t
+}
+
+/// The lines about a render mesh.
+fn render(built: &Built, r: &RenderFigures) -> String {
+    let (level, quads) = (built.products.recipe.render.level, 100.0 * f64::from(r.quads));
+    let mut t = format!("  render  {} vertices, {} faces, {quads:.1} % quads, level {level}\n", r.vertices, r.faces);
+    for (name, panel) in built.names.render.iter().zip(built.panels.iter().flatten()) {
+        let (vertices, faces) = (panel.mesh.points.len(), panel.mesh.faces.len());
+        let _ = writeln!(t, "          {name}: {vertices} vertices, {faces} faces");
+    }
+    let operators = &built.products.operators;
+    if !operators.is_empty() {
+        let s = if operators.len() == 1 { "" } else { "s" };
+        let _ = writeln!(t, "          {} operator{s}: {}", operators.len(), operators.join(", "));
     }
     t
 }

@@ -64,6 +64,32 @@ test("a bare shirt gets a hem and a seam by clicks and keys", async (t) => {
   assertClean(preview);
 });
 
+test("a garment without seams shows the steps to the first one, until it is there", async (t) => {
+  const preview = await show(t, bareShirt(t), { viewport: SCREEN });
+  const { mouse, keyboard } = preview.page;
+  const steps = preview.page.getByRole("note", { name: "How to make a seam" });
+  const current = () => steps.locator("[aria-current=step]").innerText();
+  assert.match(await current(), /Click\s+an edge/);
+  const seam = await placeOf(preview, "uvSeams");
+  await mouse.click(seam.x, seam.y);
+  await selected(preview, /^pickedEdges/);
+  assert.match(await current(), /L\s+the whole line/);
+  await keyboard.press("l");
+  await selected(preview, /^uvSeams\.\d+$/);
+  assert.match(await current(), /N\s+a seam along it/);
+  await preview.after("render", () => keyboard.press("n"));
+  await steps.waitFor({ state: "detached" });
+  // The name of the new seam is kept.
+  await keyboard.press("Enter");
+  await preview.after("render", () => keyboard.press("Control+z"));
+  await steps.getByRole("button", { name: "Hide these steps" }).click();
+  await steps.waitFor({ state: "detached" });
+  await preview.page.reload();
+  await preview.page.waitForFunction(() => window.preview?.view?.stats("render"), null, { polling: 20 });
+  assert.equal(await steps.count(), 0, "whoever hid them does not see them again");
+  assertClean(preview);
+});
+
 test("shift adds, alt takes away, control adds the path, and each is undone", async (t) => {
   const preview = await show(t, variantSheet(t), { viewport: SCREEN });
   const { keyboard, mouse } = preview.page;

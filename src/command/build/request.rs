@@ -25,6 +25,7 @@ pub struct Request {
     keep_model_purpose: bool,
     pub max_faces: Option<usize>,
     render_per_panel: bool,
+    sim_only: bool,
     mark: bool,
     #[serde(flatten)]
     strictness: Strictness,
@@ -70,6 +71,7 @@ impl Request {
             keep_model_purpose: build.keep_model_purpose,
             max_faces: Some(build.max_faces),
             render_per_panel: build.render_per_panel,
+            sim_only: build.sim_only,
             mark: build.mark,
             strictness: build.strictness.clone(),
             sets: build.sets,
@@ -112,6 +114,7 @@ impl Request {
         words.extend(one("sew-tolerance", self.sew_tolerance.map(|share| share.to_string())));
         words.extend(one("variants", self.variants.clone()));
         words.extend(flag("render-per-panel", self.render_per_panel));
+        words.extend(flag("sim-only", self.sim_only));
         words.extend(self.set.iter().map(|option| format!("--set {option}")));
         words.join(" ")
     }

@@ -75,6 +75,13 @@ impl Recipe {
         let Self { sim, render, fold, seam, .. } = self;
         MeshRecipe { sim: sim.clone(), render: render.clone(), fold: fold.clone(), seam: seam.clone() }
     }
+
+    /// The recipe where nobody needs the render mesh: that is the garment's own mesh.
+    #[must_use]
+    pub fn of_sim(self) -> Self {
+        let render = RenderOptions { level: 0, ..RenderOptions::default() };
+        Self { render, fold: BTreeMap::new(), seam: BTreeMap::new(), ..self }
+    }
 }
 
 /// Groups with instances.

@@ -26,6 +26,8 @@ export interface Settings {
   theme: "light" | "dark";
   /** Whether the strip with the figures is open. */
   figures: boolean;
+  /** The steps to a first seam are hidden. */
+  knowsSteps: boolean;
 }
 
 export const ROLE_NAMES: Record<Role, string> = { model: "Model", sim: "Simulation", render: "Render", body: "Body" };
@@ -48,6 +50,7 @@ const DEFAULTS: Settings = {
   smooth: 0,
   theme: "light",
   figures: false,
+  knowsSteps: false,
 };
 
 export function loadSettings(): Settings {

@@ -7,6 +7,7 @@ import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
 import { PickPopover } from "./PickPopover";
+import { FirstSteps } from "./FirstSteps";
 import { FitBar } from "./FitBar";
 import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
@@ -41,6 +42,7 @@ export function Stage() {
       <Legends />
       <HoverLabel />
       <PickPopover />
+      <FirstSteps />
       <SelectionBar />
       <FitBar />
       <ScrubBar />
