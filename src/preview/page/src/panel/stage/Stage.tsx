@@ -39,10 +39,10 @@ export function Stage() {
       <Progress />
       <ToolBar />
       <SideBar />
+      <FirstSteps />
       <Legends />
       <HoverLabel />
       <PickPopover />
-      <FirstSteps />
       <SelectionBar />
       <FitBar />
       <ScrubBar />
