@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
+import { example } from "./support/server.mjs";
 import { pointAt } from "./support/picking.mjs";
 import { inked } from "./support/png.mjs";
 
@@ -101,6 +102,32 @@ test("flat panels have their names, a scale bar and the direction of the warp", 
   assertClean(preview);
 });
 
+test("names of flat panels cover neither each other nor other panels", async (t) => {
+  const preview = await show(t, example("sewn/coat.usda"), { viewport: SCREEN });
+  const { page } = preview;
+  await preview.settings({ roles: ["sim"], flat: true, shadows: false });
+  const names = page.locator(".plan-label");
+  await names.first().waitFor();
+  await preview.isStill();
+  const canvas = await page.locator("canvas").boundingBox();
+  const panels = await preview.state(({ plan }) => plan[0].panels);
+  const labels = await names.evaluateAll((all) => all.map((one) => ({ name: one.textContent.replaceAll("\n", " "), ...one.getBoundingClientRect().toJSON() })));
+  // What is written, and not the room for it.
+  const overflow = await names.evaluateAll((all) => all.filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.textContent));
+  assert.deepEqual(overflow, []);
+  const overlap = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+  for (const label of labels) {
+    assert.deepEqual(labels.filter((other) => other !== label && overlap(label, other)), [], label.name);
+    const at = { ...label, x: label.x - canvas.x, y: label.y - canvas.y };
+    const covered = panels.filter(({ name }) => name.replaceAll("_", " ") !== label.name).filter((panel) => overlap(at, panel));
+    // A name in the middle of its own panel may reach the box of a curved neighbour.
+    const own = panels.find(({ name }) => name.replaceAll("_", " ") === label.name);
+    if (!overlap(at, own)) assert.deepEqual(covered, [], label.name);
+  }
+  assert.ok(labels.length > 0.8 * panels.length, `${labels.length} of ${panels.length} panels have their name`);
+  assertClean(preview);
+});
+
 test("flat panels have the mesh in space beside them, and what the pointer is on is marked in both", async (t) => {
   const preview = await show(t, sewnShirt(t), { viewport: SCREEN });
   const { page } = preview;
@@ -162,7 +189,7 @@ test("flat panels have the mesh in space beside them, and what the pointer is on
   await page.keyboard.press("x");
 
   const aim = () => preview.evaluate(() => preview.view.aim());
-  const plan = () => preview.state(({ plan }) => plan[0].labels.map(({ x, y }) => [Math.round(x), Math.round(y)]));
+  const plan = () => preview.state(({ plan }) => plan[0].panels.map(({ x, y }) => [Math.round(x), Math.round(y)]));
   const drag = async (x) => {
     await page.mouse.move(box.x + x, box.y + 560);
     await page.mouse.down();

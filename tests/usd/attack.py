@@ -238,7 +238,7 @@ def examined(rng, folder, pool):
 
 
 def build(rng, folder, pool):
-    extra = [[], [], ["--flatten"], ["--report", "out.json"], ["--sets", "all", "--mark"], ["--lod-schema", "usdLod"], ["--render-per-panel"], ["--strict"]]
+    extra = [[], [], ["--flatten"], ["--report", "out.json"], ["--sets", "all", "--mark"], ["--lod-schema", "usdLod"], ["--render-per-panel"], ["--sim-only"], ["--strict"]]
     return [*examined(rng, folder, pool), "-o", f"out{rng.choice(['.usda', '.usda', '.usdc', '.usdz'])}", *rng.choice(extra)]
 
 

@@ -92,14 +92,18 @@ export interface ViewEvents {
   drawn(role: Role, revision: number, upload: number): void;
 }
 
-/** The flat panels of a mesh in its column. [CSS pixels] */
-export interface PlanColumn {
+/** A part of the canvas. [CSS pixels] */
+export interface Box {
   x: number;
   y: number;
   width: number;
   height: number;
-  /** Names of panels at the middle of their upper sides, with the breadths of the panels. */
-  labels: { name: string; x: number; y: number; breadth: number }[];
+}
+
+/** The flat panels of a mesh in its column. [CSS pixels] */
+export interface PlanColumn extends Box {
+  /** The panels with their boxes. */
+  panels: ({ name: string } & Box)[];
   /** One mesh unit on the surface, or 0 if the scale of the UVs is not known. */
   unit: number;
 }

@@ -1,7 +1,7 @@
 // What is written on flat panels: their names, and how long things are.
 
 import { Vector3 } from "three";
-import type { Plan, PlanColumn } from "./api";
+import type { Box, Plan, PlanColumn } from "./api";
 import type { Rig } from "./camera/rig";
 import type { Column } from "./layout";
 import type { Cloth } from "./mesh/cloth";
@@ -17,10 +17,9 @@ interface Panel {
   name: string;
   /** One of its faces, as drawn. */
   face: number;
-  /** The middle of its upper side, and its breadth, on the UV plane. */
-  u: number;
-  v: number;
-  breadth: number;
+  /** Its lower and its upper corner on the UV plane. */
+  low: [number, number];
+  high: [number, number];
 }
 
 /** Remembers the panels, since the camera moves more often than UVs change. */
@@ -47,10 +46,15 @@ function planOf({ x, y, width, height, ...column }: Column, cloth: Cloth, panels
   rig.place(width / height);
   const onCanvas = (u: number, v: number) => toCanvas(new Vector3(u, v, 0).project(rig.camera), { x, y, width, height, ...column });
   const unit = onCanvas(1, 0).x - onCanvas(0, 0).x;
-  const labels = panels.map(({ name, u, v, breadth }) => ({ name, ...onCanvas(u, v), breadth: breadth * unit }));
-  const isInside = (at: { x: number; y: number }) => at.x > x && at.x < x + width && at.y > y && at.y < y + height;
-  return { x, y, width, height, labels: labels.filter(isInside), unit: cloth.uvLength > 0 ? unit / cloth.uvLength : 0 };
+  const boxes = panels.map(({ name, low, high }) => ({ name, ...boxOf(onCanvas(low[0], high[1]), onCanvas(high[0], low[1])) }));
+  return { x, y, width, height, panels: boxes, unit: cloth.uvLength > 0 ? unit / cloth.uvLength : 0 };
 }
+
+const boxOf = (from: { x: number; y: number }, to: { x: number; y: number }): Box => ({
+  ...from,
+  width: to.x - from.x,
+  height: to.y - from.y,
+});
 
 function panelsOf(model: Cloth): Panel[] {
   if (!model.hasUvs) return [];
@@ -75,15 +79,16 @@ function nameOf({ name, elements }: ElementSet, named: ElementSet[]): string {
   return found?.name ?? `UV shell ${SHELL.exec(name)?.[1] ?? 1}`;
 }
 
-/** The middle of the upper side, and how far the corners reach from left to right. */
-function placeOf({ faces, uvs }: Cloth, shell: Uint32Array): Pick<Panel, "u" | "v" | "breadth"> {
-  let [v, left, right] = [-Infinity, Infinity, -Infinity];
+/** How far the corners reach. */
+function placeOf({ faces, uvs }: Cloth, shell: Uint32Array): Pick<Panel, "low" | "high"> {
+  const [low, high]: [number, number][] = [[Infinity, Infinity], [-Infinity, -Infinity]];
   for (const face of shell) {
     for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
-      v = Math.max(v, uvs[2 * corner + 1]);
-      left = Math.min(left, uvs[2 * corner]);
-      right = Math.max(right, uvs[2 * corner]);
+      for (const axis of [0, 1]) {
+        low[axis] = Math.min(low[axis], uvs[2 * corner + axis]);
+        high[axis] = Math.max(high[axis], uvs[2 * corner + axis]);
+      }
     }
   }
-  return { u: (left + right) / 2, v, breadth: right - left };
+  return { low, high };
 }

@@ -7,11 +7,11 @@ import { useSelect } from "../controls/hooks";
 import { lengthUnit } from "../controls/numbers";
 import { valueAt } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
+import { placed } from "./labels";
 
 /** About the length of a scale bar. [CSS pixels] */
 const BAR = 90;
-/** A panel that is narrower has no room for its name, and a column no room for a scale bar. [CSS pixels] */
-const LEAST_LABEL = 24;
+/** A column that is narrower has no room for a scale bar. [CSS pixels] */
 const LEAST_COLUMN = 200;
 
 export function FlatNotes() {
@@ -20,13 +20,11 @@ export function FlatNotes() {
     <>
       {plan.map((column) => (
         <div class="plan" key={column.x + column.y * 1e4} role="group" aria-label="Panels">
-          {column.labels
-            .filter(({ breadth }) => breadth >= LEAST_LABEL)
-            .map(({ name, x, y, breadth }) => (
-              <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, maxWidth: `${breadth}px` }}>
-                {wordsOf(name)}
-              </span>
-            ))}
+          {placed(column.panels, column, wordsOf).map(({ name, text, x, y, width }) => (
+            <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, width: `${width}px` }}>
+              {text}
+            </span>
+          ))}
           {column.unit > 0 && column.width >= LEAST_COLUMN && (
             <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />
           )}
