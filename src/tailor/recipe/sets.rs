@@ -35,13 +35,15 @@ impl RecipeSets {
             for (key, of, names) in named_sets(*options) {
                 let place = format!("{prefix}.{}", key.key);
                 let are_weights = matches!(key.domain, Domain::Weights);
-                for name in names.into_iter().filter(|name| garment.subset(name).is_none()) {
+                for name in names {
+                    let is_set = garment.subset(name).is_some();
                     let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
-                    let is_painted = is_primvar && of.contains(&"point");
-                    if is_painted || are_weights && is_subset_name(name) {
+                    // Of a primvar and a set with one name, weights are the primvar.
+                    let is_painted = is_primvar && of.contains(&"point") && (are_weights || !is_set);
+                    if is_painted || are_weights && !is_set && is_subset_name(name) {
                         float_primvar(garment, &place, name)?;
                     }
-                    if is_painted && are_weights {
+                    if is_set || is_painted && are_weights {
                         continue;
                     }
                     if !sets.iter().any(|set| set.name == *name) {

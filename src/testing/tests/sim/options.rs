@@ -106,12 +106,18 @@ fn a_set_makes_triangles_smaller_where_it_is() {
 
 #[test]
 fn a_density_that_is_neither_painted_nor_a_set_is_refused() {
-    let fault = |density: &str| {
+    let fault_of = |input: Garment, density: &str| {
         let mut layers = Layers::default();
         layers.add_override(&format!("sim.density={density}")).expect("a value");
-        let mut builder = Builder::new(uneven()).expect("a sheet");
+        let mut builder = Builder::new(input).expect("a sheet");
         builder.update(&layers.recipe().expect("a recipe")).map(|_| ()).expect_err(density).to_string()
     };
+    // A primvar of another kind is no density, though a set has its name.
+    let mut input = uneven();
+    let (name, element_type) = ("st".into(), "face".into());
+    input.subsets.push(SubsetInput { name, element_type, family: String::new(), indices: vec![0] });
+    assert!(fault_of(input, "st").contains("is not a float primvar per vertex"));
+    let fault = |density: &str| fault_of(uneven(), density);
     let misspelt = fault("densty");
     assert!(misspelt.contains("did you mean density?") && misspelt.contains("sim.density"), "{misspelt}");
     assert!(fault("nearly(borders)").contains("nearly"));
