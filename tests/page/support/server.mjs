@@ -27,7 +27,8 @@ export const SUIT = join(ROOT, "tests/garments/layered_suit.usdc");
 /** A folder that is removed after the test. */
 export function temporaryFolder(test) {
   const folder = mkdtempSync(join(tmpdir(), "usdtailor-page-"));
-  test.after(() => rmSync(folder, { recursive: true, force: true }));
+  // A server that has not stopped yet may write a last file into it.
+  test.after(() => rmSync(folder, { recursive: true, force: true, maxRetries: 20, retryDelay: 50 }));
   return folder;
 }
 
