@@ -303,7 +303,7 @@ fn leveled(build: &Build, source: &Source, recipe: &Recipe, names: ProductNames)
     if build.sim_only {
         let faults = [
             (levels > 1, "levels of detail are of both meshes", "set lod.levels to 1"),
-            (source.has_products(), "the input has a render mesh of another build", "name the file without products"),
+            (source.has_products(), "the input has products of another build", "name the file without them"),
         ];
         let fault = faults.into_iter().find(|(is_there, ..)| *is_there);
         let refused = fault.map(|(_, fault, remedy)| Error::recipe("--sim-only", fault).remedy(remedy));

@@ -245,6 +245,23 @@ test("selected faces get smaller triangles, and again those of their surrounding
   await preview.after("sim", () => page.keyboard.press("Control+z"));
   assert.equal(await density(), "rings(borders.1, 2)", "one step of undo");
 
+  // A list is one set, and picked faces are one run of numbers however often they come.
+  await preview.after("sim", () => preview.set("sim.density", "rings(borders.1), rings(borders.highest)"));
+  await select("rings(borders.highest)", /^rings\(borders\.highest\)$/);
+  await preview.after("sim", () => page.keyboard.press("Shift+d"));
+  assert.equal(await density(), "(rings(borders.1), rings(borders.highest)) - rings(borders.highest)");
+  await preview.after("sim", () => preview.set("sim.density", ""));
+  const { checksum } = await preview.state(({ garment }) => ({ checksum: garment.checksum }));
+  for (const face of [3, 4, 5]) {
+    await select(`pickedFaces("${checksum}", "${face}")`, /^pickedFaces/);
+    await preview.after("sim", () => page.keyboard.press("d"));
+  }
+  assert.equal(await density(), `pickedFaces("${checksum}", "3-5")`);
+  await select(`pickedFaces("${checksum}", "3-5")`, /^pickedFaces/);
+  await preview.after("sim", () => page.keyboard.press("Shift+d"));
+  assert.equal(await density(), "", "nothing is finer any more");
+  await preview.after("sim", () => preview.set("sim.density", "rings(borders.1, 2)"));
+
   await select("borders.1", /^borders\.1$/);
   await page.keyboard.press("d");
   await page.getByText("select faces first").waitFor();

@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 from conftest import EXAMPLES, write
 from pxr import Usd, UsdGeom, UsdValidation
@@ -57,3 +58,15 @@ def test_what_would_be_stale_or_half_is_refused(usdtailor, tmp_path):
     refused(usdtailor, "build", whole, "-o", tmp_path / "a.usda", "--sim-only", says=["--sim-only", "another build"])
     refused(usdtailor, "build", COAT, "-o", tmp_path / "b.usda", "--sim-only", "--lods", "2", says=["--sim-only", "lod.levels"])
     assert sorted(path.name for path in tmp_path.iterdir()) == ["whole.usda", "whole.usda.json"]
+
+
+def test_nothing_of_it_is_driven(usdtailor, tmp_path):
+    """A shot of the trims alone would leave the model, which is drawn, behind."""
+    alone, cache = tmp_path / "alone.usda", tmp_path / "cache.npz"
+    write(usdtailor, EXAMPLES / "trims" / "skirt.usda", alone, "--sim-only")
+    assert json.loads((tmp_path / "alone.usda.json").read_text())["trims"] == []
+    stage = Usd.Stage.Open(str(alone))
+    points = np.array(UsdGeom.Mesh(stage.GetPrimAtPath("/Skirt/sim")).GetPointsAttr().Get())
+    np.savez(cache, points=np.stack([points, points + 1]))
+    refused(usdtailor, "drive", alone, "--cache", cache, "-o", tmp_path / "shot.usda", says=["not-bound", "build both meshes"])
+    assert not (tmp_path / "shot.usda").exists()

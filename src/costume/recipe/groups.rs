@@ -76,11 +76,11 @@ impl Recipe {
         MeshRecipe { sim: sim.clone(), render: render.clone(), fold: fold.clone(), seam: seam.clone() }
     }
 
-    /// The recipe where nobody needs the render mesh: that is the garment's own mesh.
+    /// The recipe of the simulation mesh alone: the render mesh is the garment's own mesh, and trims do not ride on what no shot moves.
     #[must_use]
     pub fn of_sim(self) -> Self {
         let render = RenderOptions { level: 0, ..RenderOptions::default() };
-        Self { render, fold: BTreeMap::new(), seam: BTreeMap::new(), ..self }
+        Self { render, fold: BTreeMap::new(), seam: BTreeMap::new(), trim: BTreeMap::new(), ..self }
     }
 }
 

@@ -117,7 +117,7 @@ impl SimSteps {
 
 /// The surface that the simulation mesh of a garment lies on.
 pub fn baseline(garment: &Mesh, sim: &ResolvedSim) -> Baseline {
-    Baseline::at_level(garment, &sim.options, sim.lengths(), sim.uv_set(garment), surface_level(garment, sim))
+    Baseline::new(garment, &sim.options, sim.lengths(), sim.uv_set(garment), surface_level(garment, sim))
 }
 
 /// The refinements that give that surface.
@@ -181,7 +181,7 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
     let mut product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
     if made.is_some() {
         let level = product.baseline.levels.len() as u32;
-        product = product.on(Baseline::at_level(form, options, sim.lengths(), sim.uv_set(form), level));
+        product = product.on(Baseline::new(form, options, sim.lengths(), sim.uv_set(form), level));
     }
     let mut warnings = Warnings::default();
     warnings.extend(confetti);

@@ -3,6 +3,7 @@
 use super::{MeshRecipe, UsedGroup};
 use crate::codes;
 use crate::sets::{SetEvaluator, is_subset_name, quoted};
+use std::borrow::Cow;
 use std::cell::LazyCell;
 use tailor_mesh::error::{Error, Warning, Warnings};
 use tailor_mesh::garment::{DERIVED, Mesh, Subset};
@@ -34,25 +35,10 @@ impl RecipeSets {
             let sets = if is_operator { &mut found.render } else { &mut found.sim };
             for (key, of, names) in named_sets(*options) {
                 let place = format!("{prefix}.{}", key.key);
-                let are_weights = matches!(key.domain, Domain::Weights);
                 for name in names {
-                    let is_set = garment.subset(name).is_some();
-                    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
-                    // Of a primvar and a set with one name, weights are the primvar.
-                    let is_painted = is_primvar && of.contains(&"point") && (are_weights || !is_set);
-                    if is_painted || are_weights && !is_set && is_subset_name(name) {
-                        float_primvar(garment, &place, name)?;
-                    }
-                    if is_set || is_painted && are_weights {
-                        continue;
-                    }
+                    let Some(expression) = expression_of(name, key, of, &place, garment)? else { continue };
                     if !sets.iter().any(|set| set.name == *name) {
-                        if !is_painted && is_subset_name(name) {
-                            subset_of(garment, &place, name, of)?;
-                        }
-                        let painted = is_painted.then(|| format!("weight({})", quoted(name)));
-                        let expression = painted.as_deref().unwrap_or(name);
-                        let derived = evaluator.evaluate(expression).map_err(|fault| fault.at(&place))?;
+                        let derived = evaluator.evaluate(&expression).map_err(|fault| fault.at(&place))?;
                         if derived.elements.is_empty() {
                             warnings.push(empty(&place, name, &derived.notes));
                         }
@@ -81,6 +67,30 @@ pub fn named_sets(
         _ => None,
     };
     options.group().keys.iter().zip(options.given()).filter_map(sets)
+}
+
+/// The expression that a name of an option stands for; none for that of a subset or of painted weights. Where points are wanted, painted
+/// weights are those above their middle.
+fn expression_of<'a>(
+    name: &'a str,
+    key: &Key,
+    of: &[&str],
+    place: &str,
+    garment: &Mesh,
+) -> Result<Option<Cow<'a, str>>, Error> {
+    let are_weights = matches!(key.domain, Domain::Weights);
+    let is_set = garment.subset(name).is_some();
+    let is_primvar = garment.primvar(name).is_some() || garment.left_out(name).is_some();
+    let is_word = !is_set && is_subset_name(name);
+    // Of a primvar and a set with one name, weights are the primvar. A word that is neither is a fault.
+    if are_weights && (is_primvar || is_word) || is_primvar && !is_set && of.contains(&"point") {
+        float_primvar(garment, place, name)?;
+        return Ok((!are_weights).then(|| Cow::Owned(format!("weight({})", quoted(name)))));
+    }
+    if is_word {
+        subset_of(garment, place, name, of)?;
+    }
+    Ok((!is_set).then_some(Cow::Borrowed(name)))
 }
 
 fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {

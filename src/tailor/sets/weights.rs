@@ -29,6 +29,5 @@ pub fn weights_of(garment: &Mesh, set: &Subset) -> Primvar {
         let halves = faces.corners().ids().map(|corner| faces.half_edge(corner));
         rim = halves.flat_map(|[a, b]| [[a, b], [b, a]]).filter(is_outer).map(|[_, outer]| outer).collect();
     }
-    let name = set.name.clone();
-    Primvar { name, interpolation: Interpolation::Vertex, ..Primvar::of_corners(weights, None) }
+    Primvar { name: set.name.clone(), interpolation: Interpolation::Vertex, ..Primvar::of_corners(weights, None) }
 }

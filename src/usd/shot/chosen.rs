@@ -106,7 +106,7 @@ impl Chosen {
                 let why = faults.iter().next().map(|fault| format!("; {}", fault.problem)).unwrap_or_default();
                 Error::usd(format!("{file} has no mesh that is bound to a simulation mesh{why}"))
                     .code(codes::NOT_BOUND)
-                    .remedy("build it with `usdtailor build` of this version")
+                    .remedy("build both meshes with `usdtailor build` of this version")
             })),
             _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
                 .code(codes::SEVERAL_MESHES)

@@ -25,10 +25,10 @@ use tailor_mesh::subdivide::Level;
 const GROWTH: f32 = 0.3;
 
 impl Baseline {
-    /// Refines and triangulates a garment so often, and finds its chains.
+    /// Refines a garment `level` times, triangulates it, and finds its chains.
     ///
     /// `uv_set` is the primvar whose shells are constraints, if there is one.
-    pub fn at_level(
+    pub fn new(
         garment: &Mesh,
         options: &SimOptions,
         lengths: Lengths<'_>,

@@ -39,7 +39,7 @@ impl Prepared {
         let Self { garment, options } = self;
         let density = garment.primvar(&options.density);
         let lengths = Lengths { min: options.min_edge_length, max: options.max_edge_length, density };
-        Baseline::at_level(garment, options, lengths, garment.primvar(&options.uv_set), options.baseline_level)
+        Baseline::new(garment, options, lengths, garment.primvar(&options.uv_set), options.baseline_level)
     }
 }
 

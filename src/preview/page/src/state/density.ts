@@ -1,6 +1,7 @@
 // Finer here: selected faces join the set whose triangles are smaller, or leave it.
 
 import { fitting, valueAt } from "./recipe";
+import type { Selection } from "./selection";
 import type { State } from "./state";
 import type { Store } from "./store";
 
@@ -14,20 +15,19 @@ export function densityOf({ document, garment }: State): { name: string; isPaint
 
 /** Gives the selected faces smaller triangles, or again those of their surroundings. */
 export function setFiner(store: Store, finer: boolean): void {
-  store.selector.use(({ kind, expression }) => {
-    if (store.state.connection !== "open") return;
+  const refuse = (text: string) => (store.toast({ text }), null);
+  const of = ({ kind }: Selection) => {
     const { name, isPainted } = densityOf(store.state);
-    if (kind !== "face") return store.toast({ text: "Finer and coarser: select faces first" });
-    if (isPainted) return store.toast({ text: paintedHint(name) });
+    if (store.state.connection !== "open") return null;
+    if (kind !== "face") return refuse("Finer and coarser: select faces first");
+    if (isPainted) return refuse(paintedHint(name));
+    return name || finer ? name : refuse("No faces are finer yet");
+  };
+  store.selector.combine(finer ? "add" : "remove", of, (expression) => {
     store.selector.end();
     store.update({ isSelecting: false });
-    store.set(DENSITY, changed(name, expression, finer));
+    store.set(DENSITY, expression);
   });
 }
 
 export const paintedHint = (name: string) => `The density is painted (${name}): choose none for it in the panel first`;
-
-function changed(before: string, faces: string, finer: boolean): string {
-  if (!before || before === faces) return finer ? faces : "";
-  return `${before} ${finer ? "+" : "-"} ${/^[\w.]+$|^\w+\([^()]*\)$/.test(faces) ? faces : `(${faces})`}`;
-}

@@ -16,8 +16,15 @@ export interface Selection {
 
 type Change = Extract<PageMessage, { type: "select" }>["change"];
 
+/** What the server is asked for: a set that changes the selection, or another set, of which something is then made. */
+interface Request {
+  change: Change;
+  set: string;
+  of?: { set: string; make(expression: string): void };
+}
+
 /** A change, given the selection before it; null for none. */
-type Step = (before: Selection | null) => { change: Change; set: string } | null;
+type Step = (before: Selection | null) => Request | null;
 
 /** A way to go on from a selection. */
 export interface Way {
@@ -48,8 +55,7 @@ export class Selector {
   #past: (Selection | null)[] = [];
   #future: (Selection | null)[] = [];
   readonly #waiting: Step[] = [];
-  /** The change that the server was asked for. */
-  #asked: Change | null = null;
+  #asked: Request | null = null;
   /** The last element that was picked, from which a path begins. */
   #last: { kind: SetKind; set: string } | null = null;
   #rows: Rows | null = null;
@@ -106,6 +112,14 @@ export class Selector {
     this.#add((before) => {
       if (before) make(before);
       return null;
+    });
+  }
+
+  /** Makes something of the set that `of` gives, once the selection is added to it or taken away; of "" if nothing is left. */
+  combine(change: "add" | "remove", of: (selection: Selection) => string | null, make: (expression: string) => void): void {
+    this.#add((before) => {
+      const set = before && of(before);
+      return before && set !== null ? { change, set: before.expression, of: { set, make } } : null;
     });
   }
 
@@ -191,10 +205,11 @@ export class Selector {
 
   /** The server's answer. */
   answer({ expression, elements, size, isClosed, fault }: SelectionMessage): void {
-    const change = this.#asked;
+    const asked = this.#asked;
     this.#asked = null;
     if (fault) this.refuse(`${fault.text}; ${fault.remedy}`);
-    else if (!elements && change !== "remove") this.refuse("The set has no elements");
+    else if (asked?.of) asked.of.make(elements ? expression : "");
+    else if (!elements && asked?.change !== "remove") this.refuse("The set has no elements");
     else if (!elements) this.#step(null);
     else this.#step({ expression, ...countOf(elements), elements, size, isClosed });
     if (this.#isLoop && !fault) {
@@ -213,10 +228,11 @@ export class Selector {
   }
 
   #next(): void {
-    const change = this.#waiting.shift()?.(this.#selection);
-    if (change) {
-      this.#asked = change.change;
-      this.send({ type: "select", selection: this.#selection?.expression ?? "", ...change });
+    const request = this.#waiting.shift()?.(this.#selection);
+    if (request) {
+      this.#asked = request;
+      const { change, set, of } = request;
+      this.send({ type: "select", selection: (of?.set ?? this.#selection?.expression) || "", change, set });
     } else if (this.#waiting.length > 0) this.#next();
   }
 

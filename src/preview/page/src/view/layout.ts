@@ -2,7 +2,7 @@
 // Flat panels of the large mesh have the same mesh in space beside them.
 
 import type { Role } from "../server/protocol";
-import type { ViewOptions } from "./api";
+import type { Box, ViewOptions } from "./api";
 
 /** All meshes, from left to right. */
 export const ROLES: Role[] = ["model", "sim", "render"];
@@ -13,11 +13,7 @@ const LARGE = 0.7;
 const PANELS = 0.56;
 
 /** A part of the canvas with the meshes in it; the last is solid. `x` and `y` are its upper left corner. [CSS pixels] */
-export interface Column {
-  x: number;
-  y: number;
-  width: number;
-  height: number;
+export interface Column extends Box {
   roles: Role[];
   /** Whether it shows the UV plane. */
   flat: boolean;

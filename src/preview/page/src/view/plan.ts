@@ -1,7 +1,7 @@
 // What is written on flat panels: their names, and how long things are.
 
 import { Vector3 } from "three";
-import type { Box, Plan, PlanColumn } from "./api";
+import type { Plan, PlanColumn } from "./api";
 import type { Rig } from "./camera/rig";
 import type { Column } from "./layout";
 import type { Cloth } from "./mesh/cloth";
@@ -46,15 +46,12 @@ function planOf({ x, y, width, height, ...column }: Column, cloth: Cloth, panels
   rig.place(width / height);
   const onCanvas = (u: number, v: number) => toCanvas(new Vector3(u, v, 0).project(rig.camera), { x, y, width, height, ...column });
   const unit = onCanvas(1, 0).x - onCanvas(0, 0).x;
-  const boxes = panels.map(({ name, low, high }) => ({ name, ...boxOf(onCanvas(low[0], high[1]), onCanvas(high[0], low[1])) }));
+  const boxes = panels.map(({ name, low, high }) => {
+    const size = { width: (high[0] - low[0]) * unit, height: (high[1] - low[1]) * unit };
+    return { name, ...onCanvas(low[0], high[1]), ...size };
+  });
   return { x, y, width, height, panels: boxes, unit: cloth.uvLength > 0 ? unit / cloth.uvLength : 0 };
 }
-
-const boxOf = (from: { x: number; y: number }, to: { x: number; y: number }): Box => ({
-  ...from,
-  width: to.x - from.x,
-  height: to.y - from.y,
-});
 
 function panelsOf(model: Cloth): Panel[] {
   if (!model.hasUvs) return [];

@@ -100,7 +100,6 @@ interface ControlProps extends RowProps {
 function Control({ option, full, ...described }: ControlProps) {
   const store = useStore();
   const value = useSelect(({ document }) => valueAt(document.merged, full)) ?? option.default;
-  const primvars = useSelect(({ garment }) => garment?.primvars) ?? [];
   const set = (changed: Value) =>
     store.setAll(keysWith(store.state, full).map((key) => ({ key, value: changed })));
   const { domain } = option;
@@ -114,15 +113,9 @@ function Control({ option, full, ...described }: ControlProps) {
       }
       return <Segments {...described} value={String(value)} choices={choices} change={set} />;
     }
+    case "uvSet":
     case "weights":
-      return <WeightsSelect value={String(value)} change={set} {...described} />;
-    case "uvSet": {
-      const names = fitting(primvars, domain.type).map(({ name }) => name);
-      const all = value === "" || names.includes(String(value)) ? names : [String(value), ...names];
-      const differ = described.mixed ? [{ value: MIXED, label: "mixed" }] : [];
-      const choices = [...differ, { value: "", label: "none" }, ...all.map((name) => ({ value: name, label: name }))];
-      return <Select {...described} value={described.mixed ? MIXED : String(value)} groups={[{ choices }]} change={(name) => name !== MIXED && set(name)} />;
-    }
+      return <NameSelect value={String(value)} of={domain.type} change={set} {...described} />;
     case "fabric":
       return <FabricSelect words={domain.words} value={String(value)} change={set} {...described} />;
     case "primPath":
@@ -150,19 +143,25 @@ interface NamedSelectProps {
   change(value: string): void;
 }
 
-/** Painted weights, a set, or the selection. */
-function WeightsSelect({ value, change, mixed, ...described }: NamedSelectProps) {
+/** A primvar; as weights also a set or the selection. */
+function NameSelect({ value, of, change, mixed, ...described }: NamedSelectProps & { of: "uvSet" | "weights" }) {
   const garment = useSelect((state) => state.garment);
   const selection = useSelect((state) => state.selection);
-  const painted = fitting(garment?.primvars ?? [], "weights").map(({ name }) => ({ value: name, label: name }));
-  const sets = (garment?.sets ?? []).map(({ name }) => ({ value: name, label: wordsOf(name) }));
-  const known = ["", ...[...painted, ...sets].map((each) => each.value)];
-  const own = known.includes(value) || mixed ? [] : [{ value, label: wordsOf(value) }];
-  const selected = selection && selection.expression !== value ? [{ value: selection.expression, label: "The selection" }] : [];
-  const first = [...(mixed ? [{ value: MIXED, label: "mixed" }] : []), { value: "", label: "none" }, ...own, ...selected];
-  const groups = [{ choices: first }, { label: "Painted", choices: painted }, { label: "Sets", choices: sets }];
-  const take = (chosen: string) => chosen !== MIXED && change(chosen);
-  return <Select {...described} value={mixed ? MIXED : value} groups={groups.filter(({ choices }) => choices.length > 0)} change={take} />;
+  const takesSets = of === "weights";
+  const primvars = fitting(garment?.primvars ?? [], of).map(({ name }) => ({ value: name, label: name }));
+  const sets = takesSets ? (garment?.sets ?? []).map(({ name }) => ({ value: name, label: wordsOf(name) })) : [];
+  const isListed = mixed || value === "" || [...primvars, ...sets].some((each) => each.value === value);
+  const first = [
+    ...(mixed ? [{ value: MIXED, label: "mixed" }] : []),
+    { value: "", label: "none" },
+    ...(isListed ? [] : [{ value, label: wordsOf(value) }]),
+    ...(takesSets && selection && selection.expression !== value ? [{ value: selection.expression, label: "The selection" }] : []),
+  ];
+  const groups = takesSets
+    ? [{ choices: first }, { label: "Painted", choices: primvars }, { label: "Sets", choices: sets }]
+    : [{ choices: [...first, ...primvars] }];
+  const filled = groups.filter(({ choices }) => choices.length > 0);
+  return <Select {...described} value={mixed ? MIXED : value} groups={filled} change={(name) => name !== MIXED && change(name)} />;
 }
 
 /** A fabric that every recipe has, or one of this recipe. */

@@ -6,6 +6,8 @@ import type { Box } from "../../view/api";
 const LINE = 14;
 const LETTER = 6.4;
 const GAP = 3;
+/** A panel that is narrower has no name until the view is closer. */
+const LEAST = 24;
 
 interface Label extends Box {
   name: string;
@@ -19,8 +21,9 @@ interface Label extends Box {
  */
 export function placed(panels: ({ name: string } & Box)[], within: Box, words: (name: string) => string): Label[] {
   const labels: Label[] = [];
-  const bySize = [...panels].sort((a, b) => b.width * b.height - a.width * a.height);
-  for (const panel of bySize) {
+  const seen = panels.filter((panel) => overlap(panel, within));
+  const named = seen.filter(({ width }) => width >= LEAST).sort((a, b) => b.width * b.height - a.width * a.height);
+  for (const panel of named) {
     const { name, x, y } = panel;
     const line = words(name);
     const [middle, centre] = [x + panel.width / 2, y + panel.height / 2];
@@ -33,7 +36,7 @@ export function placed(panels: ({ name: string } & Box)[], within: Box, words: (
     ];
     const inside = at(inLines(line, panel.width), middle, centre);
     const isFree = (place: Box) => holds(within, place) && !labels.some((other) => overlap(place, other));
-    const isBare = (place: Box) => !panels.some((other) => other !== panel && overlap(place, other));
+    const isBare = (place: Box) => !seen.some((other) => other !== panel && overlap(place, other));
     const place = beside.find((each) => isFree(each) && isBare(each)) ?? (holds(panel, inside) && isFree(inside) && inside);
     if (place) labels.push({ name, ...place });
   }
