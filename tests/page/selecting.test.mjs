@@ -70,6 +70,9 @@ test("a garment without seams shows the steps to the first one, until it is ther
   const steps = preview.page.getByRole("note", { name: "How to make a seam" });
   const current = () => steps.locator("[aria-current=step]").innerText();
   assert.match(await current(), /Click\s+an edge/);
+  await preview.settings({ flat: true });
+  await steps.waitFor({ state: "detached" });
+  await preview.settings({ flat: false });
   const seam = await placeOf(preview, "uvSeams");
   await mouse.click(seam.x, seam.y);
   await selected(preview, /^pickedEdges/);

@@ -33,7 +33,11 @@ const STEPS: Step[] = [
 
 export function FirstSteps() {
   const store = useStore();
-  const isOff = useSelect(({ settings, document, drawn }) => settings.knowsSteps || document.stack.length > 0 || document.comparing !== null || drawn === 0);
+  // Flat panels have no room for them.
+  const isOff = useSelect(({ settings, document, drawn }) => {
+    const hasSeams = document.stack.length > 0 || document.comparing !== null;
+    return settings.knowsSteps || settings.flat || hasSeams || drawn === 0;
+  });
   // The step that comes next: one edge grows to its line.
   const next = useSelect(({ selection }) => (!selection ? 0 : selection.count === 1 ? 1 : 2));
   if (isOff) return null;
