@@ -5,7 +5,9 @@
 
 NAME.obj becomes NAME.REMESHER.obj with a first line of what remeshing alone took. Constrained edges are kept as far as a
 remesher can: PyMeshLab by selected creases it finds itself, gpytoolbox by feature vertices, MeshLib by edges that are not
-to be flipped."""
+to be flipped, CGAL by a map of edges. CGAL takes part if a C++ compiler and its headers are there (`libcgal-dev`)."""
+import os
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -13,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 ROUNDS = 5
+CGAL = Path(__file__).with_name("cgal.cpp")
 
 
 def read(path):
@@ -76,8 +79,22 @@ def meshlib(length, points, faces, lines):
     return seconds, mrmeshnumpy.getNumpyVerts(mesh), mrmeshnumpy.getNumpyFaces(mesh.topology)
 
 
+def cgal_program(folder):
+    """The program of cgal.cpp beside this file, or None if it cannot be compiled here."""
+    program = folder / "cgal"
+    command = [os.environ.get("CXX", "c++"), "-std=c++17", "-O3", "-DNDEBUG", "-o", program, CGAL]
+    try:
+        subprocess.run(command, check=True, capture_output=True, text=True)
+    except (OSError, subprocess.CalledProcessError) as fault:
+        reason = getattr(fault, "stderr", "") or str(fault)
+        print(f"no CGAL: {reason.splitlines()[0]}", file=sys.stderr)
+        return None
+    return program
+
+
 def main():
     folder = Path(sys.argv[1])
+    program = cgal_program(folder)
     inputs = [p for p in sorted(folder.glob("*.obj")) if p.stem.count(".") == 0]
     for path in inputs:
         given = read(path)
@@ -89,6 +106,8 @@ def main():
                 print(f"{name}: {seconds * 1e3:.0f} ms, {len(faces)} triangles", file=sys.stderr)
             except Exception as fault:  # Other people's programs: what fails is left out of the table.
                 print(f"{name}: {type(fault).__name__}: {fault}", file=sys.stderr)
+        if program and subprocess.run([program, path, folder / f"{path.stem}.cgal.obj", str(ROUNDS)]).returncode:
+            print(f"{path.stem}.cgal: failed", file=sys.stderr)
 
 
 if __name__ == "__main__":
