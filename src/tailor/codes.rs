@@ -34,6 +34,8 @@ declare_codes! {
         FAR_FROM_ORIGIN = "far-from-origin";
         /// The simulation mesh has reached the limit of its size.
         FACE_LIMIT = "face-limit";
+        /// Faces are not mirrored: they have no twin across a plane of symmetry.
+        ASYMMETRIC = "asymmetric";
         /// Edges of the simulation mesh leave a border, seam or constraint.
         CURVES_CUT = "curves-cut";
         /// A face subset has another area on the simulation mesh.

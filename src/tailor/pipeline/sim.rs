@@ -177,7 +177,8 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
         return Err(fault.remedy(format!("{remedy}, or set sim.relax to surface")));
     }
     let confetti = uv_confetti(&baseline, options);
-    let limit = max_faces.min(most_faces(&baseline));
+    // One side is half of the mesh.
+    let limit = if baseline.mirror.is_empty() { max_faces } else { max_faces / 2 }.min(most_faces(&baseline));
     let mut product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
     if made.is_some() {
         let level = product.baseline.levels.len() as u32;
@@ -194,8 +195,20 @@ fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock
         warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
     }
     warnings.extend(curves_cut(&product));
+    warnings.extend(asymmetric(garment, &product.baseline));
     let tables = clock.run("places", || Ok(LocatorTables::new(&product, form.faces.len())))?;
     Ok(RemeshResult { product, tables, warnings })
+}
+
+/// The warning of faces that are not mirrored though the options ask for it.
+fn asymmetric(garment: &Mesh, baseline: &Baseline) -> Option<Warning> {
+    let faces: Vec<FaceId> = baseline.mirror.alone().iter().copied().collect();
+    let count = counted(faces.len(), "face has", "faces have");
+    let problem = format!("{count} no twin across a plane of symmetry, and triangles of their own");
+    let place = format!("{}, sim.symmetry", garment.prim);
+    let remedy = "Model both sides with the same faces and with edges on the plane, which `usdtailor info` finds";
+    let warning = || Warning::new(codes::ASYMMETRIC, place, problem).at(Elements::Faces(faces.clone())).remedy(remedy);
+    (!faces.is_empty()).then(warning)
 }
 
 /// The warning of UV shells whose seams the mesh does not follow.

@@ -101,7 +101,7 @@ impl<'a> SetEvaluator<'a> {
 
     /// The plane of symmetry of the garment, if it has one.
     pub fn symmetry(&self) -> Option<&Symmetry> {
-        self.symmetry.get_or_init(|| Symmetry::of(self.garment, &self.topology)).as_ref()
+        self.symmetry.get_or_init(|| Symmetry::of(self.garment, &self.topology, |v| v)).as_ref()
     }
 
     /// The name of the twin of each set that has one on the other side; a set that lies on both sides has its own name.

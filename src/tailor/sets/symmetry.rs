@@ -42,10 +42,21 @@ impl Symmetry {
         ["x", "y", "z"][self.axis]
     }
 
-    /// The plane with the most twins, if at least half of the faces have one.
-    pub(super) fn of(garment: &Mesh, t: &Topology) -> Option<Self> {
-        let places: IdVec<VertexId, DVec3> =
-            garment.points.iter().map(|&point: &Vec3| (garment.space.to_stage * point).as_dvec3()).collect();
+    /// The twin of a face; itself across the plane.
+    pub fn face(&self, face: FaceId) -> Option<FaceId> {
+        self.faces[face]
+    }
+
+    /// The twin of a vertex; itself on the plane.
+    pub fn vertex(&self, vertex: VertexId) -> Option<VertexId> {
+        self.vertices[vertex]
+    }
+
+    /// The plane with the most twins, if at least half of the faces have one. `source` has the garment's vertex behind each vertex
+    /// of `t`.
+    pub fn of(garment: &Mesh, t: &Topology, source: impl Fn(VertexId) -> VertexId) -> Option<Self> {
+        let place = |v| (garment.space.to_stage * garment.points[source(VertexId::new(v))]).as_dvec3();
+        let places: IdVec<VertexId, DVec3> = (0..t.vertex_count()).map(place).collect();
         let (low, high) =
             places.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &p| (low.min(p), high.max(p)));
         let size = high - low;

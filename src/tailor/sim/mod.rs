@@ -2,8 +2,8 @@
 //!
 //! Data flows one way: `surface` (the refined garment and target lengths), `constraints` (chains of edges and their
 //! curves), `baseline` (the surface with its chains, and projection onto it), `sim_mesh` (the mesh under edit),
-//! `passes` (split, collapse, flip, relax, and their loop), `product`, and `made` (the same
-//! triangles on another body).
+//! `passes` (split, collapse, flip, relax, and their loop), `product` with `sides` (the same triangles on the other side of a
+//! plane), and `made` (the same triangles on another body).
 
 mod baseline;
 mod constraints;
@@ -13,6 +13,7 @@ mod options;
 mod passes;
 mod product;
 mod shell_uvs;
+mod sides;
 mod sim_mesh;
 mod surface;
 

@@ -75,6 +75,10 @@ options! {
             Domain::Number { least: 0.0, most: None, or_zero: true, usual: [0.0, 16.0], step: 0.5 },
             "equilateral triangles of target length";
 
+        /// Give both sides of a mesh with a plane of symmetry the same triangles, one the mirror image of the other, with edges on
+        /// the plane; faces without a twin on the other side are remeshed for themselves
+        "symmetry" symmetry: bool = false, Domain::Flag, "true or false";
+
         /// Edge subsets of this mesh to keep as edges of the simulation mesh
         "constraints" constraints: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: false },
             "names of subsets";

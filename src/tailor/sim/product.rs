@@ -6,6 +6,7 @@ use super::geometry::distance_to_segment;
 use super::options::SimOptions;
 use super::passes::remesh::{RemeshReport, remesh};
 use super::shell_uvs::separate_shells;
+use super::sides::{Sides, part_from_plane};
 use super::sim_mesh::{BaselineUvPoint, SimMesh};
 use glam::Vec3;
 use tailor_mesh::connectivity::{ChainId, Compact, CornerId, FaceId, IdVec, VertexId};
@@ -57,24 +58,32 @@ pub struct CurveGap {
 
 /// An edge of the finished mesh on a chain.
 #[derive(Clone, Copy)]
-struct ChainEdge {
+pub(super) struct ChainEdge {
     /// Arc length at its start. \[mesh units\]
-    start: f32,
+    pub start: f32,
     /// Its extent along the curve. \[mesh units\]
-    length: f32,
+    pub length: f32,
     /// Its vertices in the chain's direction.
-    ends: [VertexId; 2],
+    pub ends: [VertexId; 2],
 }
 
 /// Remeshes the surface of `baseline`.
 pub fn simulate(baseline: Baseline, options: &SimOptions, max_faces: usize) -> SimProduct {
     let mut mesh = SimMesh::new(&baseline);
     let report = remesh(&mut mesh, options, max_faces);
+    part_from_plane(&mut mesh);
     let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
-    let mut places: IdVec<CornerId, BaselineUvPoint> = old_corner.iter().map(|&c| mesh.place(c)).collect();
-    separate_shells(&baseline, &points, &triangles, &mut places);
+    let places: IdVec<CornerId, BaselineUvPoint> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     let edges = chain_edges(&mesh, &old_vertex);
+    let mut sides = Sides { baseline: &baseline, points, triangles, places, edges };
+    sides.copy();
+    let Sides { points, triangles, mut places, mut edges, .. } = sides;
+    for edges in edges.iter_mut() {
+        // An edge of zero length comes before the one that starts at the same point.
+        edges.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.length.total_cmp(&b.length)));
+    }
+    separate_shells(&baseline, &points, &triangles, &mut places);
     let gaps = edges.enumerated().map(|(id, edges)| curve_gap(&baseline, &baseline.chains[id], edges, &points));
     let arcs = |edges: &Vec<ChainEdge>| edges.iter().map(|e| [e.start, e.start + e.length]).collect();
     SimProduct {
@@ -90,7 +99,7 @@ pub fn simulate(baseline: Baseline, options: &SimOptions, max_faces: usize) -> S
     }
 }
 
-/// The edges on each chain in its order; `old_vertex` is the mesh's vertex behind each vertex.
+/// The edges on each chain; `old_vertex` is the mesh's vertex behind each vertex.
 fn chain_edges(mesh: &SimMesh<'_>, old_vertex: &IdVec<VertexId, VertexId>) -> IdVec<ChainId, Vec<ChainEdge>> {
     let chains = &mesh.baseline.chains;
     let mut new_vertex: IdVec<VertexId, VertexId> = mesh.points.ids().collect();
@@ -103,10 +112,6 @@ fn chain_edges(mesh: &SimMesh<'_>, old_vertex: &IdVec<VertexId, VertexId>) -> Id
         let start = if chain.is_loop { from.rem_euclid(chain.length()) } else { from };
         let ends = if span.forward { [a, b] } else { [b, a] };
         on_chain[span.chain].push(ChainEdge { start, length: to - from, ends });
-    }
-    for edges in on_chain.iter_mut() {
-        // An edge of zero length comes before the one that starts at the same point.
-        edges.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.length.total_cmp(&b.length)));
     }
     on_chain
 }

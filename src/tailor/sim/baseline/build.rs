@@ -2,6 +2,7 @@
 
 use super::Baseline;
 use super::facets::{Layout, facets, free_flipped};
+use super::mirror::Mirror;
 use super::start::{StartMesh, nearest_level};
 use crate::sets::weights_named;
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
@@ -45,22 +46,34 @@ impl Baseline {
         let source_face = &cage_faces[levels.len()];
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
-        let kinds = constrained_edges(garment, &manifold, options, is_seam, &small_shells, &is_hole);
+        let mut kinds = constrained_edges(garment, &manifold, options, is_seam, &small_shells, &is_hole);
+        let mut mirror = match options.symmetry {
+            true => Mirror::new(garment, &manifold, &all_levels, &cage_faces, &is_hole, (&points, lengths.max)),
+            false => Mirror::default(),
+        };
+        if !mirror.is_empty() {
+            mirror.constrain(0, &manifold.level.topology, &mut kinds);
+        }
         let weights = weights_named(garment, &options.smooth_weights).and_then(|p| painted(&manifold, &levels, &p));
         let details = Details { garment, options, levels: &all_levels, source_face, weights };
         let closed_details = details.smooth(&kinds, &mut points);
-        let quads = Triangulation::new(&finest.topology, &points, |f| !is_hole[source_face[f]]);
+        let apex = |f| mirror.apex(&finest.topology, &points, f);
+        let quads = Triangulation::from_apexes(&finest.topology, |f| !is_hole[source_face[f]], apex);
         let topology = Topology::new(Faces::triangles(quads.vertices(&finest.topology.faces)), points.len());
         let uvs = quads.uvs(uv_channel.as_ref(), &uvs);
         let mut target = lengths.refined(&manifold, &levels, points.len());
+        if !mirror.is_empty() {
+            mirror.shorten(&mut target);
+            mirror.pair(&topology, &quads.faces, source_face);
+        }
         let graded = grade_targets(&mut target, options, &topology, &points);
 
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
         let FoundChains { chains, traced, curves, drawn, narrow, blunt } =
-            find_chains(options, &manifold, kinds, &all_levels, &surface);
+            find_chains(options, &manifold, kinds, &mirror, &all_levels, &surface);
         let level = nearest_level(&all_levels, &points, lengths).max(traced);
         let start = StartMesh { levels: &all_levels, level, surface };
-        let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]]);
+        let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]] && !mirror.is_copied(level, f));
         let start_spans = start_spans(&chains, &curves[level - traced]);
 
         // Chains and the start refer to the vertices of the level; from here on, fans that only touch are separate.
@@ -96,6 +109,7 @@ impl Baseline {
             chains,
             start,
             start_spans,
+            mirror,
         };
         baseline.release_small_shells();
         baseline.space_chains(options, &drawn);
@@ -221,16 +235,20 @@ fn find_chains(
     options: &SimOptions,
     manifold: &Manifold,
     mut kinds: BTreeMap<EdgeId, ChainKind>,
+    mirror: &Mirror,
     levels: &[&Level],
     surface: &RefinedSurface<'_>,
 ) -> FoundChains {
     let rims = FeatureSurface { levels, surface: *surface, sharp: options.feature_turn() }.add_features(&mut kinds);
-    let refined = levels.get(1).and_then(|child| rims.refined_kinds(&kinds, [levels[0], child]));
-    let (traced, source) = match &refined {
-        Some(_) => (1, manifold.child_source()),
-        None => (0, manifold.vertex_source.clone()),
-    };
-    let paths = trace_paths(levels[traced], refined.as_ref().unwrap_or(&kinds));
+    let (mut traced, mut source) = (0, manifold.vertex_source.clone());
+    if rims.has_crests() || levels.len() > 1 && !mirror.is_empty() {
+        kinds = rims.refined_kinds(&kinds, [levels[0], levels[1]]);
+        (traced, source) = (1, manifold.child_source());
+    }
+    if !mirror.is_empty() {
+        mirror.constrain(traced, &levels[traced].topology, &mut kinds);
+    }
+    let paths = trace_paths(levels[traced], &kinds, |v| mirror.vertex(v));
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), &levels[traced..]);
     let on_surface = paths.iter().zip(&curves[levels.len() - 1 - traced]);
     let chains = on_surface.map(|(path, curve)| path.on_surface(curve, &source, surface)).collect();

@@ -3,6 +3,7 @@
 mod build;
 pub mod facets;
 mod level;
+mod mirror;
 pub mod project;
 mod start;
 
@@ -16,6 +17,7 @@ use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::small_shells::SmallShells;
 use facets::Facet;
 use glam::{Vec2, Vec3};
+use mirror::Mirror;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_mesh::connectivity::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::garment::Primvar;
@@ -81,6 +83,8 @@ pub struct Baseline {
     pub start: Vec<[CornerId; 3]>,
     /// Parts of chains that the start's constrained edges cover, by their vertices.
     pub start_spans: BTreeMap<[VertexId; 2], StartSpan>,
+    /// The sides of a garment whose triangles are to be symmetric.
+    pub mirror: Mirror,
 }
 
 impl Baseline {

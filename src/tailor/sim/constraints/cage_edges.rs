@@ -54,6 +54,7 @@ pub fn constrained_edges(
             sharp: solid > 1 && manifold.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
             feature: false,
             subsets,
+            twin: None,
         };
         let holds_seam = kind.seam && !small_shells.is_released(edge);
         let is_constrained = kind.border || kind.sharp || is_chosen || holds_seam;
@@ -80,15 +81,20 @@ fn edge_subsets(garment: &Mesh, options: &SimOptions) -> BTreeMap<[VertexId; 2],
 /// Joins constrained edges into paths between anchors, and loops.
 ///
 /// A vertex is an anchor if one, or more than two, constrained edges meet there (Waggoner and de Goes 2022), if its two
-/// edges belong to different features, or if the surface has a corner there.
-pub fn trace_paths(level: &Level, kinds: &BTreeMap<EdgeId, ChainKind>) -> Vec<CagePath> {
+/// edges belong to different features, or if the surface has a corner there or at its `twin`.
+pub fn trace_paths(
+    level: &Level,
+    kinds: &BTreeMap<EdgeId, ChainKind>,
+    twin: impl Fn(VertexId) -> Option<VertexId>,
+) -> Vec<CagePath> {
     let t = &level.topology;
     let mut at: BTreeMap<VertexId, Vec<EdgeId>> = BTreeMap::new();
     for &edge in kinds.keys() {
         t.edges[edge].iter().for_each(|&v| at.entry(v).or_default().push(edge));
     }
+    let is_corner = |v: VertexId| level.vertex_sharpness[v] >= INFINITE_SHARPNESS;
     let is_anchor = |v: VertexId| match at[&v].as_slice() {
-        &[a, b] => kinds[&a] != kinds[&b] || level.vertex_sharpness[v] >= INFINITE_SHARPNESS,
+        &[a, b] => kinds[&a] != kinds[&b] || is_corner(v) || twin(v).is_some_and(is_corner),
         _ => true,
     };
     let mut is_used = IdVec::<EdgeId, bool>::filled(false, t.edges.len());

@@ -16,11 +16,14 @@ pub struct ChainKind {
     pub feature: bool,
     /// Indices into the garment's subsets: the edge subsets that hold the edge.
     pub subsets: Vec<usize>,
+    /// The features of the twin of the edge, where both sides have the same triangles: chains end on both where they end on one.
+    pub twin: Option<Box<Self>>,
 }
 
 impl ChainKind {
     /// Nothing but a feature line.
-    pub const FEATURE: Self = Self { border: false, seam: false, sharp: false, feature: true, subsets: Vec::new() };
+    pub const FEATURE: Self =
+        Self { border: false, seam: false, sharp: false, feature: true, subsets: Vec::new(), twin: None };
 }
 
 /// A path or loop of constrained edges, with its curve on the baseline.

@@ -103,15 +103,17 @@ pub struct Rims {
 }
 
 impl Rims {
-    /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all feature lines.
+    /// Whether feature lines run along edges of the first refinement that are none of the cage.
+    pub fn has_crests(&self) -> bool {
+        !self.crests.is_empty()
+    }
+
+    /// The kinds of constrained edges on the first refinement, from those of the cage.
     pub fn refined_kinds(
         &self,
         kinds: &BTreeMap<EdgeId, ChainKind>,
         [cage, child]: [&Level; 2],
-    ) -> Option<BTreeMap<EdgeId, ChainKind>> {
-        if self.crests.is_empty() {
-            return None;
-        }
+    ) -> BTreeMap<EdgeId, ChainKind> {
         let numbering = Numbering::new(cage);
         let find = |a, b| child.topology.find_edge(a, b);
         let halves = |edge: EdgeId| cage.topology.edges[edge].map(|v| find(v, numbering.of_edge(edge)));
@@ -127,7 +129,7 @@ impl Rims {
         for half in ends.filter_map(|(rung, v)| find(v, numbering.of_edge(rung))) {
             refined.entry(half).or_insert(ChainKind::FEATURE).feature = true;
         }
-        Some(refined)
+        refined
     }
 
     /// The rungs at the ends of crests, with those of their own ends at which a feature line goes on.

@@ -6,7 +6,7 @@ use tailor_mesh::connectivity::{CornerId, FaceId, Faces, IdVec, Topology, ValueI
 use tailor_mesh::subdivide::Channel;
 
 /// The corner of a face from which a fan has the shortest diagonals.
-fn best_apex(faces: &Faces, points: &IdVec<VertexId, Vec3>, face: FaceId) -> usize {
+pub fn best_apex(faces: &Faces, points: &IdVec<VertexId, Vec3>, face: FaceId) -> usize {
     let (n, vertices) = (faces.valence(face), faces.vertices_of(face));
     let longest = |apex: usize| {
         let p = points[vertices[apex]];
@@ -54,9 +54,14 @@ impl Triangulation {
     /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals. Where that
     /// would connect two vertices twice, which no edit allows, another corner is taken.
     pub fn new(topology: &Topology, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
+        Self::from_apexes(topology, keep, |face| best_apex(&topology.faces, points, face))
+    }
+
+    /// As [`Triangulation::new`], with the corner that each fan starts from.
+    pub fn from_apexes(topology: &Topology, keep: impl Fn(FaceId) -> bool, apex: impl Fn(FaceId) -> usize) -> Self {
         let faces = &topology.faces;
         let kept: Vec<FaceId> = faces.ids().filter(|&f| keep(f)).collect();
-        let mut apexes: Vec<usize> = kept.iter().map(|&f| best_apex(faces, points, f)).collect();
+        let mut apexes: Vec<usize> = kept.iter().map(|&f| apex(f)).collect();
         let mut diagonals: Vec<[VertexId; 2]> =
             kept.iter().zip(&apexes).flat_map(|(&f, &apex)| diagonals(faces, f, apex)).collect();
         diagonals.sort_unstable();

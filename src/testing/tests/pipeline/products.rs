@@ -42,19 +42,29 @@ fn none_of(complaints: &[String]) {
 
 #[test]
 fn of_garments() {
+    none_of(&with_own_recipes(&[]));
+}
+
+#[test]
+fn of_garments_with_symmetry() {
+    none_of(&with_own_recipes(&["sim.symmetry=true".into()]));
+}
+
+/// All garments, each with its own recipe and some options.
+fn with_own_recipes(options: &[String]) -> Vec<String> {
     let mut complaints = Vec::new();
     for file in garments::garments() {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let (input, mut warnings) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut layers = layers(&[]);
+        let mut layers = layers(options);
         warnings.extend(layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}"))));
         // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly, more so where a
         // corner of a small detail keeps a vertex.
         let chain = if layers.recipe().is_ok_and(|r| r.sim.max_edge_length > 0.0) { GARMENT.chain } else { 0.09 };
         complaints.extend(complaint(&name, input, &layers, Bounds { chain, ..GARMENT }));
     }
-    none_of(&complaints);
+    complaints
 }
 
 /// The mean edge of a mesh in its own units, roughly: what targets are a multiple of.
@@ -90,6 +100,11 @@ fn zoo_at(multiple: f32, more: &[&str]) -> Vec<String> {
 #[test]
 fn of_the_zoo() {
     none_of(&zoo_at(0.5, &[]));
+}
+
+#[test]
+fn of_the_zoo_with_symmetry() {
+    none_of(&zoo_at(0.5, &["sim.symmetry=true"]));
 }
 
 #[test]

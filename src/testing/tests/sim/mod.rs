@@ -6,6 +6,7 @@ mod on_garments;
 mod options;
 mod rims;
 mod shells;
+mod symmetry;
 mod work;
 
 use crate::prepared::{self, Prepared};

@@ -1,0 +1,249 @@
+//! The two sides of a garment with a plane of symmetry: one is remeshed, and the other takes its triangles.
+
+use crate::sets::Symmetry;
+use crate::sim::constraints::cage_edges::half_edge;
+use crate::sim::constraints::chain::ChainKind;
+use crate::sim::surface::manifold::Manifold;
+use crate::sim::surface::triangulation::best_apex;
+use glam::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
+use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, Groups, IdVec, Topology, VertexId};
+use tailor_mesh::garment::Mesh;
+use tailor_mesh::subdivide::{Level, Numbering};
+
+/// A piece that reaches less far from the plane than this has triangles of its own: its half would be drawn to the plane.
+/// \[longest target lengths\]
+const LEAST: f32 = 1.5;
+
+/// What becomes of a face.
+#[derive(Clone, Copy, PartialEq)]
+enum Side {
+    Hole,
+    /// It has no twin, or is part of a piece that lies across the plane.
+    Alone,
+    Remeshed,
+    /// It takes the triangles of its twin.
+    Copied,
+}
+
+/// The sides of a garment. There are none if it is not to be symmetric.
+#[derive(Default)]
+pub struct Mirror {
+    /// The twin of each vertex of the finest level; itself on the plane.
+    vertex: IdVec<VertexId, Option<VertexId>>,
+    /// The side of each face of each level.
+    sides: Vec<IdVec<FaceId, Side>>,
+    /// The twin of each corner of the baseline's triangles, where they are copied.
+    corner: IdVec<CornerId, Option<CornerId>>,
+    /// The faces of the garment that are remeshed for themselves.
+    alone: BTreeSet<FaceId>,
+}
+
+impl Mirror {
+    /// The sides of a garment on all `levels` of its cage. `cage_faces` has the face behind each of their faces; `points` are those of
+    /// the finest, and `longest` is the longest target length.
+    pub fn new(
+        garment: &Mesh,
+        manifold: &Manifold,
+        levels: &[&Level],
+        cage_faces: &[IdVec<FaceId, FaceId>],
+        is_hole: &IdVec<FaceId, bool>,
+        (points, longest): (&IdVec<VertexId, Vec3>, f32),
+    ) -> Self {
+        let t = &manifold.level.topology;
+        let Some(symmetry) = Symmetry::of(garment, t, |v| manifold.vertex_source[v]) else {
+            return Self::none(t.faces.ids().filter(|&face| !is_hole[face]));
+        };
+        let mut mirror = Self {
+            vertex: (0..t.vertex_count()).map(|v| symmetry.vertex(VertexId::new(v))).collect(),
+            sides: vec![is_hole.iter().map(|&hole| if hole { Side::Hole } else { Side::Alone }).collect()],
+            ..Self::default()
+        };
+        // Faces across the plane are refined once, so that edges are on it.
+        let depth = levels.len().min(2) - 1;
+        levels[..depth].iter().for_each(|parent| mirror.refine(parent));
+        mirror.choose_sides(&levels[depth].topology, points.as_slice(), LEAST * longest);
+        let alone = mirror.sides[depth].enumerated().filter(|(_, side)| **side == Side::Alone);
+        mirror.alone = alone.map(|(face, _)| cage_faces[depth][face]).collect();
+        levels[depth..levels.len() - 1].iter().for_each(|parent| mirror.refine(parent));
+        mirror
+    }
+
+    /// No sides: all faces are remeshed for themselves.
+    fn none(faces: impl Iterator<Item = FaceId>) -> Self {
+        Self { alone: faces.collect(), ..Self::default() }
+    }
+
+    /// Finds the pieces between edges on the plane that have a twin; the later one of each two is copied. All other faces lose their
+    /// twins.
+    fn choose_sides(&mut self, t: &Topology, surface: &[Vec3], least: f32) {
+        let Some(mut sides) = self.sides.pop() else { return };
+        let mut pieces = Groups::<FaceId>::new(t.faces.len());
+        let is_solid = |face: &FaceId| sides[*face] != Side::Hole;
+        for corner in t.faces.corners().ids().filter(|&corner| !self.is_on_plane(ends(t, corner))) {
+            let faces = [Some(corner), t.twin(corner)].map(|c| c.map(|c| t.faces.face_of(c)).filter(is_solid));
+            if let [Some(own), Some(other)] = faces {
+                pieces.join(own, other);
+            }
+        }
+        // The piece that all faces of each piece have their twins in.
+        let mut twins = BTreeMap::<FaceId, Option<FaceId>>::new();
+        for face in t.faces.ids().filter(is_solid) {
+            let twin = self.face(t, face).filter(is_solid).map(|twin| pieces.first(twin));
+            let known = twins.entry(pieces.first(face)).or_insert(twin);
+            *known = known.filter(|_| *known == twin);
+        }
+        // How far pieces at the plane reach away from it.
+        let mut reach = BTreeMap::<FaceId, [f32; 2]>::new();
+        for (face, &v) in t.faces.ids().flat_map(|face| t.faces.vertices_of(face).iter().map(move |v| (face, v))) {
+            let [nearest, farthest] = reach.entry(pieces.first(face)).or_insert([f32::INFINITY, 0.0]);
+            let width = self.vertex[v].map_or(0.0, |twin| surface[v.index()].distance(surface[twin.index()]));
+            (*nearest, *farthest) = (nearest.min(width), farthest.max(width));
+        }
+        twins.retain(|piece, _| reach[piece][0] > 0.0 || reach[piece][1] > 2.0 * least);
+        let mut is_paired = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
+        for (face, side) in sides.ids().zip(sides.iter_mut()).filter(|(_, side)| **side != Side::Hole) {
+            let piece = pieces.first(face);
+            let twin = twins.get(&piece).copied().flatten();
+            if let Some(twin) = twin.filter(|twin| *twin != piece && twins.get(twin) == Some(&Some(piece))) {
+                *side = if twin < piece { Side::Copied } else { Side::Remeshed };
+                t.faces.vertices_of(face).iter().for_each(|&v| is_paired[v] = true);
+            }
+        }
+        for (v, twin) in self.vertex.ids().zip(self.vertex.iter_mut()) {
+            *twin = twin.filter(|_| is_paired[v]);
+        }
+        self.sides.push(sides);
+    }
+
+    /// Goes to the next level.
+    fn refine(&mut self, parent: &Level) {
+        let (t, numbering) = (&parent.topology, Numbering::new(parent));
+        let mut child = self.vertex.clone();
+        child.resize(numbering.vertices(), None);
+        for (edge, &[a, b]) in t.edges.enumerated() {
+            let twin = self.vertex[a].zip(self.vertex[b]).and_then(|(a, b)| t.find_edge(a, b));
+            child[numbering.of_edge(edge)] = twin.map(|edge| numbering.of_edge(edge));
+        }
+        for face in t.faces.ids().filter(|_| numbering.has_centres()) {
+            child[numbering.of_face(face)] = self.face(t, face).map(|face| numbering.of_face(face));
+        }
+        self.vertex = child;
+        if let Some(parents) = self.sides.last() {
+            let children = t.faces.ids().flat_map(|face| numbering.of_face_within(&t.faces, face).map(move |_| face));
+            self.sides.push(children.map(|face| parents[face]).collect());
+        }
+    }
+
+    /// Whether there is nothing to copy.
+    pub fn is_empty(&self) -> bool {
+        !self.sides.last().is_some_and(|sides| sides.contains(&Side::Copied))
+    }
+
+    /// Whether a face of a level takes the triangles of its twin.
+    pub fn is_copied(&self, level: usize, face: FaceId) -> bool {
+        self.sides.get(level).is_some_and(|sides| sides[face] == Side::Copied)
+    }
+
+    /// The faces of the garment that are remeshed for themselves.
+    pub fn alone(&self) -> &BTreeSet<FaceId> {
+        &self.alone
+    }
+
+    /// The twin of a vertex.
+    pub fn vertex(&self, v: VertexId) -> Option<VertexId> {
+        self.vertex.as_slice().get(v.index()).copied().flatten()
+    }
+
+    /// The twin of a corner of the baseline, if its triangle is copied.
+    pub fn corner(&self, corner: CornerId) -> Option<CornerId> {
+        self.corner[corner]
+    }
+
+    /// The corner from which a face of the finest level is cut in a fan: the best one, and in copied faces that of the twin.
+    pub fn apex(&self, t: &Topology, points: &IdVec<VertexId, Vec3>, face: FaceId) -> usize {
+        let faces = &t.faces;
+        if self.is_empty() {
+            return best_apex(faces, points, face);
+        }
+        let of_twin = || {
+            let twin = self.face(t, face)?;
+            let apex = CornerId::new(faces.range(twin).start + best_apex(faces, points, twin));
+            self.across(t, apex)?.index().checked_sub(faces.range(face).start).filter(|&k| k < faces.valence(face))
+        };
+        let copied = self.is_copied(self.sides.len() - 1, face).then(of_twin).flatten();
+        copied.unwrap_or_else(|| best_apex(faces, points, face))
+    }
+
+    /// Makes the constrained edges of a level symmetric, and adds those on the plane.
+    pub fn constrain(&self, level: usize, t: &Topology, kinds: &mut BTreeMap<EdgeId, ChainKind>) {
+        let twin = |edge: EdgeId| {
+            let [a, b] = t.edges[edge].map(|v| self.vertex[v]);
+            t.find_edge(a?, b?)
+        };
+        let is_between = |edge: EdgeId, side: Side| {
+            t.edge_corners.row(edge).iter().all(|&corner| self.sides[level][t.faces.face_of(corner)] == side)
+        };
+        // Of feature lines, those of the side that is remeshed count.
+        kinds.retain(|&edge, kind| *kind != ChainKind::FEATURE || !is_between(edge, Side::Copied));
+        for (edge, kind) in kinds.clone() {
+            if let Some(twin) = twin(edge) {
+                let other = if kind == ChainKind::FEATURE { kind } else { ChainKind::default() };
+                kinds.entry(twin).or_insert(other);
+            }
+        }
+        for edge in t.edges.ids().filter(|&edge| self.is_on_plane(t.edges[edge]) && !is_between(edge, Side::Hole)) {
+            kinds.entry(edge).or_default();
+        }
+        let own = kinds.clone();
+        for (&edge, kind) in kinds.iter_mut().filter(|(_, kind)| **kind != ChainKind::FEATURE) {
+            let twin = twin(edge).and_then(|edge| own.get(&edge));
+            kind.twin = twin.map(|twin| Box::new(ChainKind { twin: None, ..twin.clone() }));
+        }
+    }
+
+    /// Gives both sides the shorter of their lengths.
+    pub fn shorten(&self, target: &mut IdVec<VertexId, f32>) {
+        let own = target.clone();
+        for (v, twin) in self.vertex.enumerated() {
+            target[v] = twin.map_or(own[v], |twin| own[v].min(own[twin]));
+        }
+    }
+
+    /// Finds the twins of the corners of triangles; `level_face` has the face of the finest level behind each. If the sides are not
+    /// cut in the same triangles, nothing is copied.
+    pub fn pair(&mut self, t: &Topology, level_face: &IdVec<FaceId, FaceId>, source: &IdVec<FaceId, FaceId>) {
+        let finest = &self.sides[self.sides.len() - 1];
+        let across = |c: CornerId| match finest[level_face[t.faces.face_of(c)]] {
+            Side::Remeshed => self.across(t, c),
+            _ => None,
+        };
+        let corner: IdVec<CornerId, Option<CornerId>> = t.faces.corners().ids().map(across).collect();
+        let copied = level_face.iter().filter(|&&face| finest[face] == Side::Copied).count();
+        if corner.iter().flatten().count() == 3 * copied {
+            self.corner = corner;
+        } else {
+            *self = Self::none(source.iter().copied());
+        }
+    }
+
+    /// Whether a path of vertices is on the plane.
+    pub fn is_on_plane(&self, path: impl IntoIterator<Item = VertexId>) -> bool {
+        path.into_iter().all(|v| self.vertex[v] == Some(v))
+    }
+
+    fn face(&self, t: &Topology, face: FaceId) -> Option<FaceId> {
+        self.across(t, t.faces.corners_of(face).next()?).map(|corner| t.faces.face_of(corner))
+    }
+
+    /// The twin of a corner of the level with this topology.
+    fn across(&self, t: &Topology, corner: CornerId) -> Option<CornerId> {
+        let [a, b] = ends(t, corner).map(|v| self.vertex[v]);
+        // Faces go around the other way there.
+        half_edge(t, b?, a?).map(|half| t.faces.next(half))
+    }
+}
+
+fn ends(t: &Topology, half: CornerId) -> [VertexId; 2] {
+    [half, t.faces.next(half)].map(|corner| t.faces.vertex(corner))
+}
