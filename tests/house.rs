@@ -87,6 +87,13 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
+/// The number after some words in the README of a crate.
+fn budget(folder: &Path, words: &str) -> usize {
+    let readme = read(&folder.join("README.md"));
+    let (_, after) = readme.split_once(words).unwrap_or_else(|| panic!("{} names no budget", folder.display()));
+    after.split(' ').next().unwrap_or_default().replace(',', "").parse().expect("a number")
+}
+
 /// The lines of a file that are code: neither blank, nor comments, nor unit tests.
 fn lines_of_code(text: &str) -> usize {
     let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
@@ -97,10 +104,7 @@ fn lines_of_code(text: &str) -> usize {
 fn crates_keep_their_budgets() {
     for folder in CRATES {
         let folder = root().join("src").join(folder);
-        let readme = read(&folder.join("README.md"));
-        let (_, after) =
-            readme.split_once("**Budget**: ").unwrap_or_else(|| panic!("{} names no budget", folder.display()));
-        let budget: usize = after.split(' ').next().unwrap_or_default().replace(',', "").parse().expect("a number");
+        let budget = budget(&folder, "**Budget**: ");
         let mut files = Vec::new();
         sources(&folder, &mut files);
         let lines: usize = files.iter().map(|file| lines_of_code(&read(file))).sum();
@@ -110,6 +114,28 @@ fn crates_keep_their_budgets() {
             folder.display()
         );
     }
+}
+
+/// Files below a folder that the page is made of.
+fn of_page(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            of_page(&path, found);
+        } else if path.extension().is_some_and(|ending| ["ts", "tsx", "css"].iter().any(|own| ending == *own)) {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn the_page_keeps_its_budget() {
+    let folder = root().join("src/preview");
+    let mut files = Vec::new();
+    of_page(&folder.join("page/src"), &mut files);
+    let lines: usize = files.iter().map(|file| read(file).lines().count()).sum();
+    let budget = budget(&folder, "The page has at most ");
+    assert!(lines <= budget, "the page has {lines} lines, and a budget of {budget}: make something smaller");
 }
 
 #[test]

@@ -26,6 +26,7 @@ SIM = {
     "tailor:sim:seed": ("int", 0),
     "tailor:sim:cleanIslands": ("bool", False),
     "tailor:sim:provenance": ("bool", False),
+    "tailor:sim:symmetry": ("bool", False),
     "tailor:sim:asMade": ("bool", False),
 }
 RENDER = {

@@ -28,7 +28,7 @@ pub use connectivity::{Connectivity, VertexRows};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, edges_at, refined_sharpness, same_level};
 pub use refinement::{Refinement, share_values_alike};
-pub use split::{Numbering, child_corner};
+pub use split::{Numbering, child_corner, child_values};
 pub use stencil::{Real, Stencils, Table};
 
 use crate::connectivity::{CornerId, EdgeId, FaceId, VertexId};

@@ -80,6 +80,18 @@ impl Numbering {
     }
 }
 
+/// Values of the children of all vertices: `own` are those of vertices, and new ones are made for faces and edges.
+pub fn child_values<T: Copy>(
+    parent: &Level,
+    own: &IdVec<VertexId, T>,
+    of_face: impl Fn(FaceId) -> T,
+    of_edge: impl Fn(EdgeId) -> T,
+) -> IdVec<VertexId, T> {
+    let t = &parent.topology;
+    let faces = t.faces.ids().filter(|_| parent.scheme != Scheme::Loop).map(of_face);
+    own.iter().copied().chain(faces).chain(t.edges.ids().map(of_edge)).collect()
+}
+
 /// Corner `k` of the child quad of parent corner `c`: 0 at its vertex, 1 at the middle of its edge, 2 at the face's
 /// centre, 3 at the middle of the previous edge.
 ///

@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, Groups, IdVec, Topology, VertexId};
 use tailor_mesh::garment::Mesh;
-use tailor_mesh::subdivide::{Level, Numbering};
+use tailor_mesh::subdivide::{Level, Numbering, child_values};
 
 /// A piece that reaches less far from the plane than this has triangles of its own: its half would be drawn to the plane.
 /// \[longest target lengths\]
@@ -119,16 +119,9 @@ impl Mirror {
     /// Goes to the next level.
     fn refine(&mut self, parent: &Level) {
         let (t, numbering) = (&parent.topology, Numbering::new(parent));
-        let mut child = self.vertex.clone();
-        child.resize(numbering.vertices(), None);
-        for (edge, &[a, b]) in t.edges.enumerated() {
-            let twin = self.vertex[a].zip(self.vertex[b]).and_then(|(a, b)| t.find_edge(a, b));
-            child[numbering.of_edge(edge)] = twin.map(|edge| numbering.of_edge(edge));
-        }
-        for face in t.faces.ids().filter(|_| numbering.has_centres()) {
-            child[numbering.of_face(face)] = self.face(t, face).map(|face| numbering.of_face(face));
-        }
-        self.vertex = child;
+        let of_edge = |edge| self.edge(t, edge).map(|edge| numbering.of_edge(edge));
+        let of_face = |face| self.face(t, face).map(|face| numbering.of_face(face));
+        self.vertex = child_values(parent, &self.vertex, of_face, of_edge);
         if let Some(parents) = self.sides.last() {
             let children = t.faces.ids().flat_map(|face| numbering.of_face_within(&t.faces, face).map(move |_| face));
             self.sides.push(children.map(|face| parents[face]).collect());
@@ -177,17 +170,13 @@ impl Mirror {
 
     /// Makes the constrained edges of a level symmetric, and adds those on the plane.
     pub fn constrain(&self, level: usize, t: &Topology, kinds: &mut BTreeMap<EdgeId, ChainKind>) {
-        let twin = |edge: EdgeId| {
-            let [a, b] = t.edges[edge].map(|v| self.vertex[v]);
-            t.find_edge(a?, b?)
-        };
         let is_between = |edge: EdgeId, side: Side| {
             t.edge_corners.row(edge).iter().all(|&corner| self.sides[level][t.faces.face_of(corner)] == side)
         };
         // Of feature lines, those of the side that is remeshed count.
         kinds.retain(|&edge, kind| *kind != ChainKind::FEATURE || !is_between(edge, Side::Copied));
         for (edge, kind) in kinds.clone() {
-            if let Some(twin) = twin(edge) {
+            if let Some(twin) = self.edge(t, edge) {
                 let other = if kind == ChainKind::FEATURE { kind } else { ChainKind::default() };
                 kinds.entry(twin).or_insert(other);
             }
@@ -197,7 +186,7 @@ impl Mirror {
         }
         let own = kinds.clone();
         for (&edge, kind) in kinds.iter_mut().filter(|(_, kind)| **kind != ChainKind::FEATURE) {
-            let twin = twin(edge).and_then(|edge| own.get(&edge));
+            let twin = self.edge(t, edge).and_then(|edge| own.get(&edge));
             kind.twin = twin.map(|twin| Box::new(ChainKind { twin: None, ..twin.clone() }));
         }
     }
@@ -230,6 +219,11 @@ impl Mirror {
     /// Whether a path of vertices is on the plane.
     pub fn is_on_plane(&self, path: impl IntoIterator<Item = VertexId>) -> bool {
         path.into_iter().all(|v| self.vertex[v] == Some(v))
+    }
+
+    fn edge(&self, t: &Topology, edge: EdgeId) -> Option<EdgeId> {
+        let [a, b] = t.edges[edge].map(|v| self.vertex[v]);
+        t.find_edge(a?, b?)
     }
 
     fn face(&self, t: &Topology, face: FaceId) -> Option<FaceId> {

@@ -21,7 +21,7 @@ use mirror::Mirror;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor_mesh::connectivity::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::garment::Primvar;
-use tailor_mesh::subdivide::{Level, Numbering, Real};
+use tailor_mesh::subdivide::{Level, Real, child_values};
 
 /// A point of the baseline, in barycentric coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,16 +126,9 @@ impl Baseline {
         let wanted: BTreeSet<VertexId> = points.iter().copied().collect();
         let mut marked: IdVec<VertexId, bool> = sources.iter().map(|source| wanted.contains(source)).collect();
         for parent in self.parents() {
-            let (t, numbering) = (&parent.topology, Numbering::new(parent));
-            let mut child = marked.clone();
-            child.resize(numbering.vertices(), false);
-            for (edge, ends) in t.edges.enumerated() {
-                child[numbering.of_edge(edge)] = ends.iter().all(|&v| marked[v]);
-            }
-            for face in t.faces.ids().filter(|_| numbering.has_centres()) {
-                child[numbering.of_face(face)] = t.faces.vertices_of(face).iter().all(|&v| marked[v]);
-            }
-            marked = child;
+            let t = &parent.topology;
+            let all = |vertices: &[VertexId]| vertices.iter().all(|&v| marked[v]);
+            marked = child_values(parent, &marked, |f| all(t.faces.vertices_of(f)), |e| all(&t.edges[e]));
         }
         marked
     }

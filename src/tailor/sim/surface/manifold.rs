@@ -6,7 +6,7 @@
 
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use tailor_mesh::garment::Mesh;
-use tailor_mesh::subdivide::{Channel, Level, Numbering};
+use tailor_mesh::subdivide::{Channel, Level, child_values};
 
 /// The manifold cage and the garment's elements behind it.
 pub struct Manifold {
@@ -55,18 +55,8 @@ impl Manifold {
 impl Manifold {
     /// The garment's vertex behind each vertex of the first refinement: for a new one, the first of its edge or face.
     pub fn child_source(&self) -> IdVec<VertexId, VertexId> {
-        let (t, numbering) = (&self.level.topology, Numbering::new(&self.level));
-        let mut source = self.vertex_source.clone();
-        source.resize(numbering.vertices(), VertexId::new(0));
-        for (edge, ends) in t.edges.enumerated() {
-            source[numbering.of_edge(edge)] = self.vertex_source[ends[0]];
-        }
-        if numbering.has_centres() {
-            for face in t.faces.ids() {
-                source[numbering.of_face(face)] = self.vertex_source[t.faces.vertices_of(face)[0]];
-            }
-        }
-        source
+        let (t, own) = (&self.level.topology, &self.vertex_source);
+        child_values(&self.level, own, |face| own[t.faces.vertices_of(face)[0]], |edge| own[t.edges[edge][0]])
     }
 }
 

@@ -5,10 +5,10 @@ use glam::Vec3;
 use std::sync::Arc;
 use tailor_mesh::connectivity::{FaceId, IdVec, VertexId};
 use tailor_mesh::error::Error;
-use tailor_mesh::garment::{Mesh, Scheme, Subset};
+use tailor_mesh::garment::{Mesh, Subset};
 use tailor_mesh::step::{Same, Step};
 use tailor_mesh::subdivide::{
-    Carrier, Connectivity, Derivation, Numbering, Refinement, carried_points, share_values_alike,
+    Carrier, Connectivity, Derivation, Refinement, carried_points, child_values, share_values_alike,
 };
 
 /// Memory per corner of a refined level, measured on garments of 10 to 100 thousand corners. \[bytes\]
@@ -88,14 +88,9 @@ pub fn refined(steps: &mut [RefinementSteps], cage: &Cage) -> Result<Refined, Er
 /// The input vertices after refinements: of an edge or a face, those of its first vertex.
 pub fn refined_inputs(mut inputs: InputVertices, refinements: &[Arc<Refinement>]) -> InputVertices {
     for refinement in refinements {
-        let (t, numbering) = (&refinement.level().topology, Numbering::new(refinement.level()));
-        let mut next = IdVec::filled(VertexId::new(0), numbering.vertices());
-        inputs.enumerated().for_each(|(v, &input)| next[numbering.of_vertex(v)] = input);
-        if refinement.level().scheme != Scheme::Loop {
-            t.faces.ids().for_each(|f| next[numbering.of_face(f)] = inputs[t.faces.vertices_of(f)[0]]);
-        }
-        t.edges.enumerated().for_each(|(e, ends)| next[numbering.of_edge(e)] = inputs[ends[0]]);
-        inputs = next;
+        let t = &refinement.level().topology;
+        let first = |vertices: &[VertexId]| inputs[vertices[0]];
+        inputs = child_values(refinement.level(), &inputs, |f| first(t.faces.vertices_of(f)), |e| first(&t.edges[e]));
     }
     inputs
 }
