@@ -14,6 +14,8 @@ use tailor_mesh::garment::{Mesh, Subset};
 
 /// Least share of the faces that have a twin.
 const LEAST_SHARE: f64 = 0.5;
+/// Share from which no other plane is looked at.
+const SURE_SHARE: f64 = 0.95;
 /// Share of the mean edge length by which a face may be away from its mirrored twin where a walk begins.
 const NEAR: f64 = 0.5;
 /// Share of the mean edge length by which a point may be away from its mirrored twin where places are compared.
@@ -64,7 +66,7 @@ impl Symmetry {
         let mut best: Option<Self> = None;
         for axis in (0..3).filter(|&axis| size[axis] > FLAT * size.max_element()) {
             for at in [0.0, 0.5 * (low[axis] + high[axis])] {
-                if best.as_ref().is_some_and(|best| best.share == 1.0) {
+                if best.as_ref().is_some_and(|best| best.share >= SURE_SHARE) {
                     return best;
                 }
                 let found = Search::new(t, &places, axis, at).run(&pieces);

@@ -65,6 +65,9 @@ impl Mirror {
         mirror.choose_sides(&levels[depth].topology, points.as_slice(), LEAST * longest);
         let alone = mirror.sides[depth].enumerated().filter(|(_, side)| **side == Side::Alone);
         mirror.alone = alone.map(|(face, _)| cage_faces[depth][face]).collect();
+        if !mirror.sides[depth].contains(&Side::Copied) {
+            return Self::none(mirror.alone.into_iter());
+        }
         levels[depth..levels.len() - 1].iter().for_each(|parent| mirror.refine(parent));
         mirror
     }
@@ -128,9 +131,9 @@ impl Mirror {
         }
     }
 
-    /// Whether there is nothing to copy.
+    /// Whether nothing is copied.
     pub fn is_empty(&self) -> bool {
-        !self.sides.last().is_some_and(|sides| sides.contains(&Side::Copied))
+        self.sides.is_empty()
     }
 
     /// Whether a face of a level takes the triangles of its twin.
