@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import cloth, names, recipe
+from . import bind, cloth, follow, names, recipe
 from .cage import DOMAINS, TYPES, Cage, column, read_cage
 from .links import KIND, KINDS, OF, OWN, product, set_rendered
 from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdGeom, UsdSkel, shape_name, subdivision_of, write_stage
@@ -22,9 +22,12 @@ def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict
         _fill(ob, garment, cage, prim)
         _add_modifiers(ob, garment, report["recipe"]["render"]["level"] if kind == "render" else None)
         found[kind] = ob
-    _note_cloth(found["sim"], stage, model, report)
-    if cloth.is_set_up(found["sim"]):
-        cloth.set_up(garment, found["sim"])
+    sim, render = (found[kind] for kind in KINDS)
+    bind.fill(sim, render, stage.GetPrimAtPath(model.ReplaceName("render")))
+    follow.update(render, sim)
+    _note_cloth(sim, stage, model, report)
+    if cloth.is_set_up(sim):
+        cloth.set_up(garment, sim)
 
 
 def stand_in(garment: bpy.types.Object) -> bpy.types.Object:
