@@ -136,6 +136,9 @@ def _fill_attributes(mesh, cage: Cage, named: Primvars, api) -> None:
     for name in cage.uv:
         values = _values(api, named.uv[name])
         if values is not None:
+            if api.GetPrimvar(named.uv[name]).GetInterpolation() in ("vertex", "varying"):
+                # All corners of each point agree.
+                values = values[column(mesh.loops, "vertex_index", kind=np.int32)]
             layer = mesh.uv_layers.new(name=name, do_init=False)
             layer.uv.foreach_set("vector", values.astype(np.float32).ravel())
             layer.active_render = name == cage.active_uv
@@ -297,6 +300,29 @@ def _note_cloth(sim, stage: Usd.Stage, model, report: dict) -> None:
                 facts[name] = float(value)
     # As one group, which exports leave out.
     sim[cloth.FACTS] = facts
+    _note_fabrics(sim.data, prim)
+
+
+# Stiffness in the panels of a build of several fabrics: the two directions of each, and the SI unit of their numbers.
+_PANELS = {
+    "surfaceStretchStiffness": ("stretchWarp", "stretchWeft", 1e-3),
+    "surfaceShearStiffness": ("shearLeft", "shearRight", 1e-3),
+    "surfaceBendStiffness": ("bendingWarp", "bendingWeft", 1e-9),
+}
+
+
+def _note_fabrics(mesh, prim: Usd.Prim) -> None:
+    """Notes the stiffness of several fabrics at the points: the mean of the faces around each."""
+    panels = [p for p in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Mesh(prim)) if p.GetPrim().GetAttribute("primvars:clo:shearLeft")]
+    corners = column(mesh.loops, "vertex_index", kind=np.int32)
+    for name, (warp, weft, unit) in _PANELS.items() if panels else ():
+        of_faces = np.zeros(len(mesh.polygons))
+        for panel in panels:
+            directions = [panel.GetPrim().GetAttribute(f"primvars:clo:{key}").Get() for key in (warp, weft)]
+            of_faces[np.asarray(panel.GetIndicesAttr().Get(), np.int64)] = unit * np.mean(directions)
+        count = np.maximum(np.bincount(corners, minlength=len(mesh.vertices)), 1)
+        mean = np.bincount(corners, np.repeat(of_faces, 3), len(mesh.vertices)) / count
+        mesh.attributes.new(cloth.STIFFNESS[name], "FLOAT", "POINT").data.foreach_set("value", mean.astype(np.float32))
 
 
 def _sewing(prim: Usd.Prim) -> np.ndarray:

@@ -6,7 +6,7 @@ import garment
 import numpy
 import pytest
 import usd_tailor
-from bl_ext.user_default.usd_tailor import recipe
+from bl_ext.user_default.usd_tailor import messages, recipe
 from loop import active, set_up
 
 
@@ -156,6 +156,75 @@ def test_every_option_of_the_table_has_its_range_and_meaning(shirt):
             if of.domain["type"] == "whole":
                 assert (shown["min"], shown["max"]) == (0, min(of.domain["most"], 2**31 - 1))
     built(shirt)
+
+
+# Names that a function and a set have.
+
+
+def hide(ob, *names):
+    """Edge attributes of these names, with one edge each."""
+    for name in names:
+        ob.data.attributes.new(name, "BOOLEAN", "EDGE").data[0].value = True
+
+
+@pytest.mark.parametrize(("source", "name"), [("UV", "uvSeams"), ("BORDERS", "borders")])
+def test_menus_name_functions_that_no_attribute_hides(shirt, source, name):
+    bpy.ops.tailor.add(kind="seam", source=source, name="of")
+    expression = shirt["tailor:seam:of:edges"]
+    assert expression.startswith(f"{name}(") and expression.endswith(")")
+    bpy.ops.tailor.select(kind="seam", name="of")
+    before = selected(shirt, "edges")
+    hide(shirt, name)
+    bpy.ops.tailor.select(kind="seam", name="of")
+    assert selected(shirt, "edges") == before and len(before) > 10
+    bpy.ops.tailor.check()
+    assert not hiding(shirt)
+
+
+def hiding(ob):
+    return [message["message"] for message in messages.of(ob)["messages"] if "hides the function" in message["message"]]
+
+
+def test_check_tells_what_hides_a_function(shirt):
+    hide(shirt, "borders", "uvSeams")
+    bpy.ops.tailor.add(kind="seam", source="BORDERS", name="of")
+    for value, names in (("borders", ["borders"]), ("borders.1 + uvSeams", ["borders", "uvSeams"]), ("borders(), border(material(borders))", []), ("edges", [])):
+        shirt["tailor:seam:of:edges"] = value
+        try:
+            bpy.ops.tailor.check()
+        except RuntimeError:
+            # A piece of a set that is hidden may be no set.
+            continue
+        found = hiding(shirt)
+        assert len(found) == len(names), (value, found)
+        assert all(f"Edges of seam of: {name} is the edge attribute" in text and f"write {name}()" in text for name, text in zip(names, found))
+
+
+def test_a_vertex_group_hides_a_function_of_points_alone(shirt):
+    shirt.vertex_groups.new(name="points").add(range(50), 1.0, "REPLACE")
+    shirt.vertex_groups.new(name="borders").add(range(50), 1.0, "REPLACE")
+    bpy.ops.tailor.add(kind="seam", source="BORDERS", name="of")
+    shirt["tailor:seam:of:edges"], shirt["tailor:cloth:pins"] = "borders", "points"
+    bpy.ops.tailor.check()
+    assert len(hiding(shirt)) == 1 and "Pins: points is the vertex group" in hiding(shirt)[0]
+
+
+def test_sets_that_no_option_names_are_one_message(shirt):
+    def lost():
+        """Messages of the sets below, but those that tell something of a material too."""
+        bpy.ops.tailor.check()
+        found = [message for message in messages.of(shirt)["messages"] if "_strip" in message["message"]]
+        return [message for message in found if not {"Body", "Collar"}.intersection(message.get("names", ()))]
+
+    for number in range(5):
+        # Single faces, which large triangles lose.
+        shirt.data.attributes.new(f"a_strip{number}", "BOOLEAN", "FACE").data[40 * number].value = True
+    shirt["tailor:sim:maxEdgeLength"] = 0.08
+    [message] = lost()
+    assert "no option names them" in message["message"] and messages.elements(message) == ("", [])
+    bpy.ops.tailor.add(kind="fold", source="BORDERS", name="of")
+    shirt["tailor:fold:of:faces"] = "a_strip0"
+    assert len(lost()) > 1, "a set that is used has messages of its own"
 
 
 # Files.
