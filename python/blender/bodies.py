@@ -11,6 +11,8 @@ from .links import OF, OWN
 
 MODIFIER = OWN + "Collision"
 
+LINKED = "{} is linked from another file. Give it a Collision modifier there, or make a library override"
+
 # Of a body, so many points of the garment are at most so far. [share of the points, share of the garment's largest size]
 _SHARE, _REACH = 0.05, 0.05
 _SAMPLES = 400
@@ -37,14 +39,14 @@ def is_collider(ob: bpy.types.Object) -> bool:
 def set_up(sim: bpy.types.Object) -> str:
     """Lets the cloth collide with the bodies that are near, and tells with which."""
     found = [ob for ob in around(sim) if is_collider(ob) or _is_near(sim, ob)]
-    linked = [ob for ob in found if not is_collider(ob) and not _is_editable(ob)]
+    linked = [ob for ob in found if not is_collider(ob) and not is_editable(ob)]
     for ob in found:
         if ob not in linked and not is_collider(ob):
             collide(ob, True)
     told = [ob.name for ob in found if ob not in linked]
     text = f"collides with {', '.join(told)}" if told else "no body is near it"
     if linked:
-        text += f"; {linked[0].name} is linked: give it a Collision modifier in its own file, or make a library override"
+        text += "; " + LINKED.format(linked[0].name)
     return text
 
 
@@ -64,7 +66,7 @@ def _is_cloth(ob) -> bool:
     return any(modifier.type == "CLOTH" for modifier in ob.modifiers)
 
 
-def _is_editable(ob) -> bool:
+def is_editable(ob) -> bool:
     return ob.library is None
 
 

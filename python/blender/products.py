@@ -13,7 +13,7 @@ from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdG
 def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict) -> None:
     """Makes the objects of both products, or puts the new meshes into them."""
     model = stage.GetDefaultPrim().GetPath().AppendChild(MODEL)
-    found = {}
+    found, groups = {}, [named for kind in KINDS if (ob := product(garment, kind)) for named in _named_groups(ob)]
     for kind in KINDS:
         prim = stage.GetPrimAtPath(model.ReplaceName(kind))
         ob = product(garment, kind) or _new_object(garment, kind)
@@ -28,6 +28,15 @@ def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict
     _note_cloth(sim, stage, model, report)
     if cloth.is_set_up(sim):
         cloth.set_up(garment, sim)
+    for settings, name, group in groups:
+        setattr(settings, name, group)
+
+
+def _named_groups(ob) -> list[tuple]:
+    """The vertex groups that modifiers name, which Blender forgets when groups are made again: settings, name of the setting, group."""
+    parts = [getattr(modifier, part, None) for modifier in ob.modifiers for part in ("settings", "collision_settings")]
+    named = [(of, row.identifier) for of in (*ob.modifiers, *filter(None, parts)) for row in of.bl_rna.properties if "vertex_group" in row.identifier]
+    return [(of, name, group) for of, name in named if isinstance(group := getattr(of, name), str) and group]
 
 
 def stand_in(garment: bpy.types.Object) -> bpy.types.Object:

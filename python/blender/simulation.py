@@ -45,6 +45,8 @@ class TAILOR_OT_collide(OfGarment, bpy.types.Operator):
         ob = next((ob for ob in bodies.around(made(garment)[0]) if ob.name == self.name), None)
         if ob is None:
             raise Refused(f"{self.name} is not at the garment")
+        if not bodies.is_editable(ob):
+            raise Refused(bodies.LINKED.format(ob.name))
         bodies.collide(ob, not bodies.is_collider(ob))
 
 

@@ -88,9 +88,9 @@ def test_a_mesh_that_is_no_garment_shows_how_to_begin():
 def test_each_panel_draws_what_exists(panel):
     set_up(armature=False, shape_key=False)
     bpy.ops.tailor.add(kind="fold", source="BORDERS", name="hems")
-    for state in ("new", "built"):
-        if state == "built":
-            bpy.ops.tailor.tailor()
+    for action in (None, bpy.ops.tailor.tailor, bpy.ops.tailor.cloth, bpy.ops.tailor.preview):
+        if action:
+            action()
         assert panel.poll(bpy.context) and drawn(panel)
 
 
