@@ -292,6 +292,27 @@ def test_an_import_brings_sets_back(tmp_path):
         assert found == before > 0
 
 
+def test_an_import_of_a_tailored_file_leaves_no_empties_of_scopes(shirt, tmp_path):
+    from pxr import Sdf, Usd, UsdGeom
+
+    bpy.ops.tailor.pin(group="pins")
+    bpy.ops.tailor.export(filepath=str(tmp_path / "garment.usdc"))
+    built = str(tmp_path / "built.usdc")
+    usd_tailor.build(tmp_path / "garment.usdc", built)
+    stage = Usd.Stage.Open(built)
+    parent = next(prim for prim in stage.Traverse() if prim.HasAttribute("primvars:tailor:bindFace")).GetParent().GetPath()
+    UsdGeom.Scope.Define(stage, parent.AppendChild("mine")).GetPrim().CreateAttribute("userProperties:note", Sdf.ValueTypeNames.String).Set("kept")
+    UsdGeom.Xform.Define(stage, stage.GetDefaultPrim().GetPath().AppendPath("elsewhere/physics"))
+    stage.Export(str(tmp_path / "more.usdc"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(tmp_path / "more.usdc"), import_guide=True)
+    empties = {ob.name for ob in bpy.data.objects if ob.type == "EMPTY"}
+    assert "mine" in empties and sum("physics" in name for name in empties) == 1
+    assert not [name for name in empties if "anchor" in name or "aterial" in name]
+    assert all(not ob.parent or ob.parent.name in bpy.data.objects for ob in bpy.data.objects)
+    assert len([ob for ob in bpy.data.objects if ob.type == "MESH"]) >= 2
+
+
 def test_the_garment_is_exported_with_mirror_and_skin(tmp_path):
     """Blender alone leaves the Mirror modifier out of a mesh with an armature."""
     ob = active(set_up())
