@@ -16,6 +16,8 @@ TURN = ".tailor_turn"
 
 # Share of the corners' tangent planes in the surface, as the command has it.
 _PHONG_SHARE = 0.6
+# Inputs of the group.
+_SIM, _COUNT = "Simulation Mesh", "Vertices"
 _VERSION = "tailor_version"
 _NOW = 1
 
@@ -38,10 +40,19 @@ def add(render: bpy.types.Object, sim: bpy.types.Object) -> None:
         modifier = render.modifiers.new(MODIFIER, "NODES")
         before_subdivision(render, MODIFIER)
     modifier.node_group = _group()
-    inputs = {item.name: item.identifier for item in modifier.node_group.interface.items_tree if item.in_out == "INPUT"}
-    modifier[inputs["Simulation Mesh"]], modifier[inputs["Vertices"]] = sim, len(sim.data.vertices)
+    for item in modifier.node_group.interface.items_tree:
+        if item.in_out == "INPUT" and item.name in (_SIM, _COUNT):
+            _set_input(modifier, item.identifier, sim if item.name == _SIM else len(sim.data.vertices))
     # Blender does not see a change of such an input.
     render.update_tag()
+
+
+def _set_input(modifier, name: str, value) -> None:
+    # Blender 5.3 has properties, and earlier versions have items.
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, name).value = value
+    else:
+        modifier[name] = value
 
 
 def update(render: bpy.types.Object, sim: bpy.types.Object) -> None:
@@ -106,7 +117,7 @@ class _Graph:
 def _new_group() -> bpy.types.NodeTree:
     tree = bpy.data.node_groups.new(MODIFIER, "GeometryNodeTree")
     tree[_VERSION], tree.is_modifier = _NOW, True
-    for name, kind in (("Geometry", "Geometry"), ("Simulation Mesh", "Object"), ("Vertices", "Int")):
+    for name, kind in (("Geometry", "Geometry"), (_SIM, "Object"), (_COUNT, "Int")):
         tree.interface.new_socket(name, in_out="INPUT", socket_type=f"NodeSocket{kind}")
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     graph = _Graph(tree)
