@@ -76,12 +76,12 @@ def _group_fabrics(sim) -> dict[str, tuple[float, float]]:
     for name, attribute in STIFFNESS.items():
         values = sim.data.attributes.get(attribute)
         values = column(values.data, "value") if values else np.zeros(0)
-        group = sim.vertex_groups.get(_group_name(name))
-        if group:
-            sim.vertex_groups.remove(group)
         if len(values) and values.max() > values.min():
             found[name] = float(values.min()), float(values.max())
-            fill_group(sim.vertex_groups.new(name=_group_name(name)), (values - values.min()) / np.ptp(values))
+            # Settings forget a group that is removed, so it is emptied.
+            group = sim.vertex_groups.get(_group_name(name)) or sim.vertex_groups.new(name=_group_name(name))
+            group.remove(range(len(values)))
+            fill_group(group, (values - values.min()) / np.ptp(values))
     return found
 
 
@@ -157,7 +157,7 @@ _WEIGHT_STEPS = 8192
 
 
 def fill_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
-    """Sets the weights of a new group, by one call for all vertices of a weight. A step moves no point by a tenth of a millimetre."""
+    """Sets the weights of an empty group, by one call for all vertices of a weight. A step moves no point by a tenth of a millimetre."""
     steps = np.round(weights * _WEIGHT_STEPS).astype(np.int32)
     order = np.argsort(steps, kind="stable")
     starts = np.flatnonzero(np.diff(steps[order], prepend=-1))

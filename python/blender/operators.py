@@ -240,6 +240,9 @@ class TAILOR_OT_show(OfGarment, bpy.types.Operator):
         ob = garment if self.kind == "model" else product(garment, self.kind)
         if ob:
             ob.hide_set(not ob.hide_get())
+        if ob and self.kind == "render" and not ob.hide_get():
+            # A bake to shape keys left it out of pictures.
+            ob.hide_render = False
 
 
 CLASSES = (

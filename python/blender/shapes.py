@@ -17,9 +17,7 @@ def bake(garment: bpy.types.Object, render: bpy.types.Object, frames) -> bpy.typ
     The modifiers that move the render mesh are left out, and the user's own stay. An earlier copy is replaced.
     """
     if old := product(garment, BAKED):
-        mesh = old.data
-        bpy.data.objects.remove(old)
-        bpy.data.meshes.remove(mesh)
+        _remove(old)
     ob = render.copy()
     ob.data = render.data.copy()
     ob.name = ob.data.name = f"{garment.name}_{BAKED}"
@@ -39,6 +37,15 @@ def bake(garment: bpy.types.Object, render: bpy.types.Object, frames) -> bpy.typ
     render.hide_set(True)
     render.hide_render = True
     return ob
+
+
+def _remove(ob) -> None:
+    mesh, keys = ob.data, ob.data.shape_keys
+    action = keys.animation_data.action if keys and keys.animation_data else None
+    bpy.data.objects.remove(ob)
+    for data, known in ((mesh, bpy.data.meshes), (action, bpy.data.actions)):
+        if data and not data.users:
+            known.remove(data)
 
 
 def _animate(ob, times: list[float]) -> None:

@@ -126,6 +126,7 @@ def test_shape_keys_have_what_was_simulated(dressed):
     mine.show_viewport = False
     bpy.ops.tailor.bake()
     baked = product(dressed, shapes.BAKED)
+    baked_name = baked.name
     assert [modifier.type for modifier in baked.modifiers] == ["SUBSURF", "TRIANGULATE"] and render.hide_get() and render.hide_render
     assert len(baked.data.materials) == len(render.data.materials) and not render.data.shape_keys.key_blocks.get("Frame 1")
     assert numpy.abs(frames(baked) - live).max() < ROUNDING
@@ -133,6 +134,7 @@ def test_shape_keys_have_what_was_simulated(dressed):
     assert numpy.abs(drawn(baked) - (live[1] + live[2]) / 2).max() < ROUNDING
     bpy.ops.tailor.bake()
     assert sum(ob.get("tailor_kind") == shapes.BAKED for ob in bpy.data.objects) == 1
+    assert len([action for action in bpy.data.actions if action.name.startswith(baked_name)]) == 1, "the earlier one is removed"
     bpy.ops.tailor.tailor()
     assert numpy.abs(frames(product(dressed, shapes.BAKED)) - live).max() < ROUNDING, "a new build leaves it"
 
