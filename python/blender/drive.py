@@ -25,13 +25,18 @@ class Preview:
 
     def __init__(self, garment: bpy.types.Object, scene: bpy.types.Scene) -> None:
         self.garment_name, self.garment_id = garment.name, garment.session_uid
-        self.frames = list(range(scene.frame_start, scene.frame_end + 1))
+        self.frames = self._range(scene)
         self.before, self.points, self.is_done = scene.frame_current, [], False
         if not product(garment, "sim") or not product(garment, "render"):
             raise Failed([plain(f"{garment.name} has no simulation mesh yet. Press Tailor first")])
         self._check_place(garment)
-        _set_range(product(garment, "sim"), scene)
+        _set_range(product(garment, "sim"), (scene.frame_start, max(scene.frame_end, self.frames[-1])))
         self._prepare(garment)
+
+    @staticmethod
+    def _range(scene) -> list[int]:
+        """Of a scene of fewer frames, such as that of an import, as many too."""
+        return list(range(scene.frame_start, scene.frame_start + _PREVIEW))
 
     def _check_place(self, garment) -> None:
         """Raises Failed where there is nothing to simulate, or nowhere to put it."""
@@ -40,7 +45,6 @@ class Preview:
 
     def _prepare(self, _garment) -> None:
         """Starts what runs beside the simulation."""
-        self.frames = self.frames[:_PREVIEW]
 
     @property
     def garment(self) -> bpy.types.Object | None:
@@ -96,6 +100,10 @@ class Preview:
 
 class Drive(Preview):
     """Simulates all frames of the scene, and writes the cache at the end."""
+
+    @staticmethod
+    def _range(scene) -> list[int]:
+        return list(range(scene.frame_start, scene.frame_end + 1))
 
     def _prepare(self, garment) -> None:
         self.is_checked, self.process = False, None
@@ -207,12 +215,12 @@ class Bake(Drive):
         self.baked = shapes.bake(self.garment, self._product("render"), _Shot(self.shot)).name
 
 
-def _set_range(sim, scene) -> None:
-    """Lets the cloth run over the frames of the scene: outside of its own, Blender shows its last state."""
+def _set_range(sim, frames: tuple[int, int]) -> None:
+    """Lets the cloth run over these frames: outside of its own, Blender shows its last state."""
     for modifier in sim.modifiers:
         if modifier.type != "CLOTH":
             continue
-        cache, frames = modifier.point_cache, (scene.frame_start, scene.frame_end)
+        cache = modifier.point_cache
         if not cache.is_baked:
             if (cache.frame_start, cache.frame_end) != frames:
                 cache.frame_start, cache.frame_end = frames
