@@ -21,7 +21,7 @@ _THICKNESS = 0.001
 
 
 def around(sim: bpy.types.Object) -> list[bpy.types.Object]:
-    """Meshes whose bounding boxes meet the garment's: bodies, floors and others. Garments and their products are none."""
+    """Meshes whose bounding boxes meet the garment's: bodies, floors and others. Garments and their products are left out."""
     low, high = _box(sim)
     found = []
     for ob in bpy.context.visible_objects:

@@ -17,7 +17,7 @@ def are_near(sim, metre: float) -> bool:
     points = column(sim.data.vertices, "co", 3)
     triangles = column(sim.data.loops, "vertex_index", kind=np.int32).reshape(-1, 3)
     edges = np.linalg.norm(points[triangles] - points[np.roll(triangles, 1, axis=1)], axis=2)
-    # Within an edge there is no triangle but those around the vertex and its neighbours, unless cloth is folded.
+    # Within an edge, only the triangles around the vertex and its neighbours are found, unless cloth is folded.
     reach = min(_NEAR * metre, float(edges.mean()))
     tree = BVHTree.FromPolygons(points.tolist(), triangles.tolist(), all_triangles=True)
     around = _neighbours(len(points), triangles)

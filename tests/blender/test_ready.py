@@ -132,7 +132,6 @@ def test_layers_of_a_collar_do_not_cross():
         sim.modifiers[cloth.MODIFIER].collision_settings.use_self_collision = is_on
         bpy.ops.tailor.preview()
         found[is_on] = sim[cloth.FACTS]["crossings"][1]
-    print(found)
     assert found[False] > 20 and found[True] < found[False] / 4
 
 
