@@ -3,9 +3,9 @@
 
 import bpy
 
-from . import hook, live, messages, operators, panels, sets
+from . import hook, live, messages, operators, panels, sets, simulation
 
-CLASSES = (hook.USD_HOOK_tailor, *operators.CLASSES, *sets.CLASSES, *panels.CLASSES)
+CLASSES = (hook.USD_HOOK_tailor, *operators.CLASSES, *sets.CLASSES, *simulation.CLASSES, *panels.CLASSES)
 
 
 def register():

@@ -6,8 +6,9 @@ import re
 import bpy
 import numpy as np
 
-from . import recipe
+from . import layers, recipe
 from .cage import column
+from .links import OWN
 
 FACTS = "tailor_cloth"
 """Property of a simulation mesh, of what a solver needs beside it:
@@ -16,15 +17,24 @@ FACTS = "tailor_cloth"
 - ``pins``: the vertices that the recipe holds;
 - ``mass`` and the stiffness of the fabric, in SI units.
 """
-MODIFIER = "Tailor Cloth"
-PIN_GROUP = "Tailor Pins"
+MODIFIER = OWN + "Cloth"
+PIN_GROUP = OWN + "Pins"
 WEIGHT = "weight({})"
+
+STIFFNESS = {"surfaceStretchStiffness": ".tailor_stretch", "surfaceShearStiffness": ".tailor_shear", "surfaceBendStiffness": ".tailor_bend"}
+"""Attributes of the points of a simulation mesh of several fabrics: the stiffness of each, in SI units."""
 
 # Cotton in our table, and the stiffness that Blender's preset has for it. Other fabrics are stiffer or softer in proportion.
 _COTTON = {"surfaceStretchStiffness": 10500.0, "surfaceShearStiffness": 60.0, "surfaceBendStiffness": 6.5e-6}
 _BLENDER = {"surfaceStretchStiffness": 15.0, "surfaceShearStiffness": 5.0, "surfaceBendStiffness": 0.5}
-# Distance that cloth keeps from bodies. [m]
-_DISTANCE = 0.003
+# The settings of each, those of the stiffest fabric, and the vertex group between both.
+_SETTINGS = {
+    "surfaceStretchStiffness": (("tension_stiffness", "compression_stiffness"), "vertex_group_structural_stiffness"),
+    "surfaceShearStiffness": (("shear_stiffness",), "vertex_group_shear_stiffness"),
+    "surfaceBendStiffness": (("bending_stiffness",), "vertex_group_bending"),
+}
+# Distances that cloth keeps from bodies and from itself. [m]
+_DISTANCE, _SELF_DISTANCE = 0.003, 0.002
 # Real cloth is stiffer for its mass than Blender's solver follows within its steps.
 _HEAVIER = 100.0
 
@@ -40,28 +50,58 @@ def set_up(garment: bpy.types.Object, sim: bpy.types.Object) -> str:
     sewn = _sew(sim)
     settings = modifier.settings
     held = _pin(garment, sim, settings)
+    fabrics = _group_fabrics(sim)
+    done = f"{held} vertices held, {sewn} edges hold pieces on the cloth"
     if is_new:
         # Settings of the user stay when the mesh is built again.
         settings.quality = 8
-        modifier.collision_settings.distance_min = _DISTANCE / bpy.context.scene.unit_settings.scale_length
-        _set_fabric(sim, settings)
+        _set_fabric(sim, settings, fabrics)
         scene = bpy.context.scene
         modifier.point_cache.frame_start, modifier.point_cache.frame_end = scene.frame_start, scene.frame_end
-    return f"{held} vertices held, {sewn} edges hold pieces on the cloth"
+        done += _set_collisions(sim, modifier.collision_settings, scene.unit_settings.scale_length)
+    return done
 
 
-def _set_fabric(sim, settings) -> None:
+def _set_collisions(sim, settings, metres: float) -> str:
+    """Distances from bodies, and of layers from each other. Cloth that nowhere lies on cloth is simulated without the latter, sooner."""
+    settings.distance_min, settings.self_distance_min = _DISTANCE / metres, _SELF_DISTANCE / metres
+    scale = abs(sim.matrix_world.to_3x3().determinant()) ** (1 / 3) or 1.0
+    settings.use_self_collision = layers.are_near(sim, 1 / (metres * scale))
+    return "; its layers collide with each other" if settings.use_self_collision else ""
+
+
+def _group_fabrics(sim) -> dict[str, tuple[float, float]]:
+    """Makes the vertex groups of several fabrics. Returns the least and the largest stiffness of each kind. [SI units]"""
+    found = {}
+    for name, attribute in STIFFNESS.items():
+        values = sim.data.attributes.get(attribute)
+        values = column(values.data, "value") if values else np.zeros(0)
+        if len(values) and values.max() > values.min():
+            found[name] = float(values.min()), float(values.max())
+            # Settings forget a group that is removed, so it is emptied.
+            group = sim.vertex_groups.get(_group_name(name)) or sim.vertex_groups.new(name=_group_name(name))
+            group.remove(range(len(values)))
+            fill_group(group, (values - values.min()) / np.ptp(values))
+    return found
+
+
+def _group_name(stiffness: str) -> str:
+    """``Tailor Bend`` of ``surfaceBendStiffness``."""
+    return OWN + stiffness.removeprefix("surface").removesuffix("Stiffness")
+
+
+def _set_fabric(sim, settings, fabrics) -> None:
     figures = sim.get(FACTS, {})
     count = max(len(sim.data.vertices), 1)
     if "mass" in figures:
         settings.mass = _HEAVIER * figures["mass"] / count
-
-    def stiffness(name: str) -> float:
-        return _BLENDER[name] * figures.get(name, _COTTON[name]) / _COTTON[name]
-
-    settings.tension_stiffness = settings.compression_stiffness = stiffness("surfaceStretchStiffness")
-    settings.shear_stiffness = stiffness("surfaceShearStiffness")
-    settings.bending_stiffness = stiffness("surfaceBendStiffness")
+    for name, (keys, group) in _SETTINGS.items():
+        mean = figures.get(name, _COTTON[name])
+        least, most = (_BLENDER[name] * value / _COTTON[name] for value in fabrics.get(name, (mean, mean)))
+        for key in keys:
+            setattr(settings, key, least)
+            setattr(settings, f"{key}_max", most)
+        setattr(settings, group, _group_name(name) if name in fabrics else "")
 
 
 def _sew(sim) -> int:
@@ -117,7 +157,7 @@ _WEIGHT_STEPS = 8192
 
 
 def fill_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
-    """Sets the weights of a new group, by one call for all vertices of a weight. A step moves no point by a tenth of a millimetre."""
+    """Sets the weights of an empty group, by one call for all vertices of a weight. A step moves no point by a tenth of a millimetre."""
     steps = np.round(weights * _WEIGHT_STEPS).astype(np.int32)
     order = np.argsort(steps, kind="stable")
     starts = np.flatnonzero(np.diff(steps[order], prepend=-1))

@@ -4,10 +4,10 @@
 import bpy
 import numpy as np
 
-from . import names, recipe
+from . import bind, names, recipe
 from .cage import column
 from .products import EdgeRows
-from .stage import Sdf, Usd, UsdGeom, Vt
+from .stage import Sdf, Usd, UsdGeom, UsdShade, Vt
 
 OBJECT_NAME = "userProperties:blender:object_name"
 
@@ -110,6 +110,26 @@ def read(stage: Usd.Stage, objects: dict) -> None:
             if isinstance(mesh, bpy.types.Mesh) and mesh.name not in done:
                 done.add(mesh.name)
                 _read_sets(UsdGeom.Mesh(prim), mesh)
+    _remove_empties(stage, objects)
+
+
+def _remove_empties(stage: Usd.Stage, objects: dict) -> None:
+    """Removes the empties that Blender makes of scopes and of physics in a tailored file, where they hold nothing."""
+    roots = {prim.GetParent().GetPath() for prim in stage.Traverse() if prim.HasAttribute(f"primvars:{bind.FACE}")}
+    empties = [(Sdf.Path(str(path)), ob) for path, made in objects.items() for ob in made if isinstance(ob, bpy.types.Object) and ob.type == "EMPTY"]
+    # Children are before their parents.
+    for path, ob in sorted(empties, key=lambda row: -row[0].pathElementCount):
+        if _holds_nothing(stage.GetPrimAtPath(path), roots) and not ob.children and not ob.keys():
+            bpy.data.objects.remove(ob)
+
+
+def _holds_nothing(prim: Usd.Prim, roots: set[Sdf.Path]) -> bool:
+    """Whether a prim is a scope or physics of a garment below one of the roots, or a scope of materials of any."""
+    path, is_scope = prim.GetPath(), prim.IsA(UsdGeom.Scope)
+    if roots and is_scope and all(child.IsA(UsdShade.Material) for child in prim.GetChildren()):
+        return True
+    root = next((root for root in roots if path.HasPrefix(root) and path != root), None)
+    return root is not None and (is_scope or path.HasPrefix(root.AppendChild("physics")))
 
 
 def _read_sets(source: UsdGeom.Mesh, mesh) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import usd_tailor
 
-
+from . import hiding, names, recipe
 from .cage import Cage, read_cage
 from .links import KINDS, product
 
@@ -33,6 +33,7 @@ class Job:
 
         self.garment_name, self.garment_id = garment.name, garment.session_uid
         self.cage: Cage = read_cage(garment)
+        self.notes = self.cage.notes + hiding.notes(garment, self.cage)
         self.folder = tempfile.TemporaryDirectory(prefix="tailor-")
         path = Path(self.folder.name)
         self.output, self._report = path / "built.usdc", path / "report.json"
@@ -40,6 +41,7 @@ class Job:
         self.process = usd_tailor.start(
             ["build", str(path / "garment.usdc"), "-o", str(self.output), "--report", str(self._report), "--quiet"]
             + ["--flatten"] * flatten
+            + _physics(garment, self.cage)
         )
 
     @property
@@ -69,7 +71,7 @@ class Job:
         report = json.loads(self._report.read_text("utf-8")) if self._report.exists() else {}
         if self.process.returncode:
             raise Failed(_faults(report, errors.strip() or f"the build ended with {self.process.returncode}"))
-        report["warnings"] += [plain(text) for text in self.cage.notes]
+        report["warnings"] += [plain(text) for text in self.notes]
         return report
 
     def finish(self) -> dict:
@@ -93,6 +95,13 @@ class Job:
             return report
         finally:
             self.cancel()
+
+
+def _physics(garment, cage: Cage) -> list[str]:
+    """Asks for the panels with their fabrics, where parts of the garment are of other fabrics. Sets of the garment may have the panels' names."""
+    has_fabrics = any(value for key, value in recipe.properties(garment).items() if key.startswith(names.key("fabric", "")) and key.endswith(":faces"))
+    is_free = not any(name.startswith("pattern") for name in cage.face_sets)
+    return ["--physics", "aousd,chaos"] if has_fabrics and is_free else []
 
 
 def plain(text: str) -> dict:

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What builds and checks said about each garment, and where on it that is."""
 
+import re
+
 import bpy
 import numpy as np
 from mathutils import Vector, kdtree
 
-from . import names
+from . import names, recipe
 from .cage import read_cage
 from .job import Refused
 
@@ -14,7 +16,34 @@ _of: dict[int, dict] = {}
 
 def set_report(garment, report: dict) -> None:
     """Keeps the figures and warnings of a build."""
-    _of[garment.session_uid] = {"messages": report.get("warnings", []), "report": report, "failed": False}
+    report["warnings"] = _together(garment, report.get("warnings", []))
+    _of[garment.session_uid] = {"messages": report["warnings"], "report": report, "failed": False}
+
+
+# Of solvers that take one fabric for a mesh, which the cloth here does not.
+_ELSEWHERE = {"mean-fabric"}
+# What happens to sets where the triangles are larger.
+_OF_SETS = {"not-carried", "sets-blurred", "area-changed", "empty-set"}
+
+
+def _together(garment, warnings: list[dict]) -> list[dict]:
+    """One message for all sets that no option names, as of a file that was imported; the others as they are."""
+    options = " ".join(str(value) for value in recipe.properties(garment).values())
+    sets = {names.usd_name(attribute.name) for attribute in garment.data.attributes if attribute.data_type == "BOOLEAN"}
+    unused = {name for name in sets if not re.search(rf"\b{re.escape(name)}\b(?!\()", options)}
+    kept, lost = [], {}
+    for warning in warnings:
+        named = warning.get("names") or [warning.get("place", "").removeprefix("subset ")]
+        if warning["code"] in _OF_SETS and unused.issuperset(named):
+            lost |= dict.fromkeys(named)
+        elif warning["code"] not in _ELSEWHERE:
+            kept.append(warning)
+    if lost:
+        first, more = ", ".join(list(lost)[:3]), f" and {len(lost) - 3} more" if len(lost) > 3 else ""
+        place, problem = f"attributes {first}{more}", "they lose elements where triangles are larger, and no option names them"
+        remedy = "Remove those that you do not need, or lower Max edge length"
+        kept.append({"code": "unused-sets", "message": f"{place}: {problem}. {remedy}", "place": place, "problem": problem, "remedy": remedy, "elements": {}})
+    return kept
 
 
 def set_faults(garment, faults: list[dict]) -> None:
@@ -46,7 +75,33 @@ def shown(garment, message: dict) -> str:
     if remedy and message.get("problem"):
         words = [message["place"], message["problem"]]
         text = ": ".join(word for word in words if word).rstrip(".") + ". " + remedy
-    return text.replace(f"/{names.usd_name(garment.name)}/model", garment.name)
+    text = _BARE.sub(lambda found: _labels().get(found[0], found[0]), _KEY.sub(_in_words, text))
+    return _MAP.sub(f"UV map {_main_map(garment)}", text).replace("`", "").replace(f"/{names.usd_name(garment.name)}/model", garment.name)
+
+
+# An option as the command names it: `seam.side.width`, or sim.maxEdgeLength=2; and a seam: `seam.side`.
+_KEY = re.compile(r"`?\b([a-z]+)(?:\.([^\s.`=,]+))?\.(\w+)(?:`|\b)(\s*=)?")
+
+
+# An option without its group, and the primvar of the main UV map.
+_BARE = re.compile(r"\b[a-z]+[A-Z]\w*\b")
+_MAP = re.compile(rf"([\w/]+\.)?primvars:{names.UV_SET}\b")
+
+
+def _labels() -> dict[str, str]:
+    return {of.key: of.label.lower() for options in recipe.table().values() for of in options}
+
+
+def _main_map(garment) -> str:
+    return next((layer.name for layer in garment.data.uv_layers if layer.active_render), names.UV_SET)
+
+
+def _in_words(found: re.Match) -> str:
+    group, instance, key, equals = found.groups()
+    name = names.key(group, *filter(None, (instance,)), key)
+    if recipe.option_of(name):
+        return recipe.told(name) + (" = " if equals else "")
+    return f"{group} {key}" if group in recipe.SETS and not instance else found[0]
 
 
 def clear() -> None:

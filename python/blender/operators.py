@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tailoring a garment: build, live, check, cloth, drive and export."""
+"""Tailoring a garment: build, live, check and export."""
 
 import bpy
 from bpy.props import IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import cloth, live, messages, recipe
-from .drive import Drive
+from . import live, messages, recipe
 from .job import Failed, Job, Refused
 from .links import garment_of, product, set_rendered
 
@@ -200,33 +199,6 @@ class TAILOR_OT_select_message(OfGarment, bpy.types.Operator):
         self.report({"INFO"}, f"{count} {kind}" + (f"; {lost} more are made by modifiers" if lost else ""))
 
 
-class TAILOR_OT_cloth(OfGarment, bpy.types.Operator):
-    bl_idname = "tailor.cloth"
-    bl_label = "Set Up Cloth"
-    bl_description = "Gives the simulation mesh a Cloth modifier, with the fabric's mass and stiffness, pins, and springs that hold pockets and other loose pieces"
-
-    def act(self, context, garment) -> None:
-        sim = product(garment, "sim")
-        if not sim:
-            raise Refused(f"{garment.name} has no simulation mesh yet. Press Tailor first")
-        self.report({"INFO"}, cloth.set_up(garment, sim))
-
-
-class TAILOR_OT_drive(Waiting, bpy.types.Operator):
-    bl_idname = "tailor.drive"
-    bl_label = "Drive Render Mesh"
-    bl_description = "Simulates the frame range, and moves the render mesh with it by a cache beside the .blend"
-
-    def begin(self, context, garment):
-        return Drive(garment, context.scene)
-
-    def advance(self, context, work):
-        is_done = work.step()
-        if is_done:
-            self.report({"INFO"}, f"{len(work.frames)} frames in {work.folder.name}")
-        return is_done
-
-
 class TAILOR_OT_export(OfGarment, ExportHelper, bpy.types.Operator):
     bl_idname = "tailor.export"
     bl_label = "Export Garment"
@@ -268,6 +240,9 @@ class TAILOR_OT_show(OfGarment, bpy.types.Operator):
         ob = garment if self.kind == "model" else product(garment, self.kind)
         if ob:
             ob.hide_set(not ob.hide_get())
+        if ob and self.kind == "render" and not ob.hide_get():
+            # A bake to shape keys left it out of pictures.
+            ob.hide_render = False
 
 
 CLASSES = (
@@ -277,8 +252,6 @@ CLASSES = (
     TAILOR_OT_live,
     TAILOR_OT_check,
     TAILOR_OT_select_message,
-    TAILOR_OT_cloth,
-    TAILOR_OT_drive,
     TAILOR_OT_export,
     TAILOR_OT_apply_scale,
     TAILOR_OT_show,

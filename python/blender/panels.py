@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import cloth, live, messages, names, recipe
+from . import bodies, cloth, crossings, follow, live, messages, names, recipe
 from .links import KINDS, garment_of, product
 from .sets import SOURCES
 
@@ -199,7 +199,31 @@ class TAILOR_PT_cloth(Panel, bpy.types.Panel):
         layout.operator_menu_enum("tailor.pin", "group", text=f"Pin group: {cloth.pin_group(garment) or 'none'}", icon="PINNED")
         draw_option(layout, garment, recipe.option("cloth", "pins"))
         layout.operator("tailor.cloth", icon="PHYSICS")
-        layout.operator("tailor.drive", icon="PLAY")
+        sim, render = (product(garment, kind) for kind in KINDS)
+        if sim and render and cloth.is_set_up(sim):
+            _draw_settings(layout, sim)
+            _draw_frames(layout, sim, render)
+
+
+def _draw_settings(layout, sim) -> None:
+    """What the cloth collides with, and the settings that are changed most."""
+    column = layout.column(heading="Collides with")
+    for ob in bodies.around(sim):
+        column.operator("tailor.collide", text=ob.name, depress=bodies.is_collider(ob)).name = ob.name
+    modifier = sim.modifiers[cloth.MODIFIER]
+    layout.prop(modifier.collision_settings, "use_self_collision", text="Collides with itself")
+    layout.prop(modifier.settings, "shrink_min", text="Shrink")
+
+
+def _draw_frames(layout, sim, render) -> None:
+    layout.operator("tailor.preview", icon="FRAME_NEXT")
+    layout.operator("tailor.follow", icon="LINKED", depress=follow.is_on(render))
+    for action, icon in (("tailor.drive", "PLAY"), ("tailor.bake", "SHAPEKEY_DATA")):
+        layout.operator(action, icon=icon)
+    text, is_worse = crossings.told(sim)
+    if text:
+        remedy = ". Raise the quality of the cloth's collisions, or their distances" if is_worse else ""
+        draw_text(layout, text + remedy, "ERROR" if is_worse else "CHECKMARK")
 
 
 class TAILOR_PT_check(Panel, bpy.types.Panel):

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import cloth, names, recipe
+from . import bind, cloth, follow, names, recipe
 from .cage import DOMAINS, TYPES, Cage, column, read_cage
 from .links import KIND, KINDS, OF, OWN, product, set_rendered
 from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdGeom, UsdSkel, shape_name, subdivision_of, write_stage
@@ -13,7 +13,7 @@ from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdG
 def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict) -> None:
     """Makes the objects of both products, or puts the new meshes into them."""
     model = stage.GetDefaultPrim().GetPath().AppendChild(MODEL)
-    found = {}
+    found, groups = {}, [named for kind in KINDS if (ob := product(garment, kind)) for named in _named_groups(ob)]
     for kind in KINDS:
         prim = stage.GetPrimAtPath(model.ReplaceName(kind))
         ob = product(garment, kind) or _new_object(garment, kind)
@@ -22,9 +22,21 @@ def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict
         _fill(ob, garment, cage, prim)
         _add_modifiers(ob, garment, report["recipe"]["render"]["level"] if kind == "render" else None)
         found[kind] = ob
-    _note_cloth(found["sim"], stage, model, report)
-    if cloth.is_set_up(found["sim"]):
-        cloth.set_up(garment, found["sim"])
+    sim, render = (found[kind] for kind in KINDS)
+    bind.fill(sim, render, stage.GetPrimAtPath(model.ReplaceName("render")))
+    follow.update(render, sim)
+    _note_cloth(sim, stage, model, report)
+    if cloth.is_set_up(sim):
+        cloth.set_up(garment, sim)
+    for settings, name, group in groups:
+        setattr(settings, name, group)
+
+
+def _named_groups(ob) -> list[tuple]:
+    """The vertex groups that modifiers name, which Blender forgets when groups are made again: settings, name of the setting, group."""
+    parts = [getattr(modifier, part, None) for modifier in ob.modifiers for part in ("settings", "collision_settings")]
+    named = [(of, row.identifier) for of in (*ob.modifiers, *filter(None, parts)) for row in of.bl_rna.properties if "vertex_group" in row.identifier]
+    return [(of, name, group) for of, name in named if isinstance(group := getattr(of, name), str) and group]
 
 
 def stand_in(garment: bpy.types.Object) -> bpy.types.Object:
@@ -133,6 +145,9 @@ def _fill_attributes(mesh, cage: Cage, named: Primvars, api) -> None:
     for name in cage.uv:
         values = _values(api, named.uv[name])
         if values is not None:
+            if api.GetPrimvar(named.uv[name]).GetInterpolation() in ("vertex", "varying"):
+                # All corners of each point agree.
+                values = values[column(mesh.loops, "vertex_index", kind=np.int32)]
             layer = mesh.uv_layers.new(name=name, do_init=False)
             layer.uv.foreach_set("vector", values.astype(np.float32).ravel())
             layer.active_render = name == cage.active_uv
@@ -294,6 +309,29 @@ def _note_cloth(sim, stage: Usd.Stage, model, report: dict) -> None:
                 facts[name] = float(value)
     # As one group, which exports leave out.
     sim[cloth.FACTS] = facts
+    _note_fabrics(sim.data, prim)
+
+
+# Stiffness in the panels of a build of several fabrics: the two directions of each, and the SI unit of their numbers.
+_PANELS = {
+    "surfaceStretchStiffness": ("stretchWarp", "stretchWeft", 1e-3),
+    "surfaceShearStiffness": ("shearLeft", "shearRight", 1e-3),
+    "surfaceBendStiffness": ("bendingWarp", "bendingWeft", 1e-9),
+}
+
+
+def _note_fabrics(mesh, prim: Usd.Prim) -> None:
+    """Notes the stiffness of several fabrics at the points: the mean of the faces around each."""
+    panels = [p for p in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Mesh(prim)) if p.GetPrim().GetAttribute("primvars:clo:shearLeft")]
+    corners = column(mesh.loops, "vertex_index", kind=np.int32)
+    for name, (warp, weft, unit) in _PANELS.items() if panels else ():
+        of_faces = np.zeros(len(mesh.polygons))
+        for panel in panels:
+            directions = [panel.GetPrim().GetAttribute(f"primvars:clo:{key}").Get() for key in (warp, weft)]
+            of_faces[np.asarray(panel.GetIndicesAttr().Get(), np.int64)] = unit * np.mean(directions)
+        count = np.maximum(np.bincount(corners, minlength=len(mesh.vertices)), 1)
+        mean = np.bincount(corners, np.repeat(of_faces, 3), len(mesh.vertices)) / count
+        mesh.attributes.new(cloth.STIFFNESS[name], "FLOAT", "POINT").data.foreach_set("value", mean.astype(np.float32))
 
 
 def _sewing(prim: Usd.Prim) -> np.ndarray:

@@ -55,6 +55,19 @@ def option(group: str, key: str) -> Option:
     return next(o for o in table()[group] if o.key == key)
 
 
+def option_of(key: str) -> Option | None:
+    """The option of a custom property: ``tailor:seam:side:width`` is the width of seams."""
+    group, *_, name = key.removeprefix(names.PREFIX).split(":")
+    return next((of for of in table().get(group, ()) if of.key == name), None)
+
+
+def told(key: str) -> str:
+    """A custom property of an option in the words of the panel: *Width of seam side*."""
+    group, *instance, _ = key.removeprefix(names.PREFIX).split(":")
+    label = option_of(key).label
+    return f"{label} of {group} {instance[0]}" if instance else label
+
+
 def is_garment(ob) -> bool:
     return ob is not None and ob.type == "MESH" and GARMENT in ob
 
@@ -153,9 +166,7 @@ def apply_scale(ob) -> float | None:
     ob.data.transform(Matrix.Scale(scale, 4), shape_keys=True)
     ob.scale = (1, 1, 1)
     for key, value in properties(ob).items():
-        parts = key.split(":")[1:]
-        rows = {of.key: of for of in table().get(parts[0], ())}
-        of = rows.get(parts[-1])
+        of, parts = option_of(key), key.split(":")[1:]
         if of and of.domain["type"] == "length" and isinstance(value, float):
             put(ob, of, value * scale, *parts[1:-1])
     return scale
@@ -211,9 +222,8 @@ def rename_operator(ob, kind: str, name: str, new: str) -> str:
     new = names.unique(names.usd_name(new), {other for _, other in order if other != name})
     if new == name:
         return name
-    rows = {of.key: of for of in table()[kind]}
     for key in _keys(ob, kind, name):
-        value, row = ob[key], rows.get(key.rpartition(":")[2])
+        value, row = ob[key], option_of(key)
         del ob[key]
         if row:
             put(ob, row, value, new)

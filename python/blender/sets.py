@@ -14,20 +14,21 @@ from .operators import OfGarment
 
 WORDS = {"seam": "edges", "fold": "faces"}
 
-# Where the elements of a new seam or fold come from: label, description, and the expression for the name that is chosen.
+# Where the elements of a new seam or fold come from: label, description, and the expression for the name that is chosen. Functions have
+# parentheses, as a set of the garment hides a bare one of its name.
 SOURCES = {
     "seam": {
         "SELECTED": ("Selected Edges", "The edges that are selected in Edit Mode", None),
         "MARKED": ("Marked Seams", "All edges that are marked as seams, now and later", names.SEAMS),
-        "UV": ("UV Seams", "All edges at which the UV map is cut", "uvSeams"),
+        "UV": ("UV Seams", "All edges at which the UV map is cut", "uvSeams({})"),
         "SHARP": ("Sharp Edges", "All edges that are marked sharp", "sharp_edge"),
-        "BORDERS": ("Borders", "All open edges of the mesh", "borders"),
+        "BORDERS": ("Borders", "All open edges of the mesh", "borders()"),
         "MATERIAL": ("Border of Material", "The border of the faces with the active material", "border(material({}))"),
         "GROUP": ("Vertex Group", "The edges whose two vertices are in the active group by more than a half", "edges(weight({}))"),
     },
     "fold": {
         "SELECTED": ("Selected Faces", "The faces that are selected in Edit Mode", None),
-        "BORDERS": ("Along Borders", "Two rows of faces along all open edges of the mesh", "rings(borders, 2)"),
+        "BORDERS": ("Along Borders", "Two rows of faces along all open edges of the mesh", "rings(borders(), 2)"),
         "MATERIAL": ("Material", "The faces with the active material", "material({})"),
         "GROUP": ("Vertex Group", "The faces whose vertices are all in the active group by more than a half", "faces(weight({}))"),
     },
@@ -77,12 +78,16 @@ class TAILOR_OT_add(Edit, bpy.types.Operator):
             return set_name(name)
         if self.source == "MARKED" and not column(garment.data.edges, "use_seam", kind=np.bool_).any():
             raise Refused("No edges are marked as seams. Select some in Edit Mode, and choose Edge > Mark Seam")
+        if self.source == "UV" and not garment.data.uv_layers:
+            raise Refused("The garment has no UV map. Unwrap it in Edit Mode: UV > Unwrap")
         if self.source == "SHARP" and "sharp_edge" not in garment.data.attributes:
             raise Refused("No edges are marked sharp. Select some in Edit Mode, and choose Edge > Mark Sharp")
         if self.source == "MATERIAL" and not garment.active_material:
             raise Refused("The garment has no active material. Give it one, and assign it to faces")
         if self.source == "GROUP" and not garment.vertex_groups.active:
             raise Refused("The garment has no active vertex group. Add one, and paint it")
+        if self.source == "UV":
+            return expression.format(names.quoted(garment.get(names.key("sim", "uvSet"), "") or names.UV_SET))
         if self.source == "MATERIAL":
             return expression.format(names.quoted(names.usd_name(garment.active_material.name)))
         if self.source == "GROUP":

@@ -39,6 +39,8 @@ _TYPES = {
     "FLOAT_COLOR": (Sdf.ValueTypeNames.Color4fArray, Vt.Vec4fArray),
     "BYTE_COLOR": (Sdf.ValueTypeNames.Color4fArray, Vt.Vec4fArray),
 }
+# Primvars whose type USD has fixed, and which Blender's importer makes attributes of other types.
+_TYPED = {"displayColor", "displayOpacity"}
 _INTERPOLATIONS = {"POINT": "vertex", "FACE": "uniform", "CORNER": "faceVarying"}
 
 
@@ -47,7 +49,7 @@ class Primvars:
 
     def __init__(self, cage: Cage) -> None:
         self.groups = recipe.group_primvars(cage.groups)
-        taken = {names.UV_SET, MATERIAL_INDEX, SMOOTH, *self.groups.values()}
+        taken = {names.UV_SET, MATERIAL_INDEX, SMOOTH, *_TYPED, *self.groups.values()}
         others = names.uniquely([name for name in cage.uv if name != cage.active_uv], taken)
         self.uv = {cage.active_uv: names.UV_SET} | others
         self.values = names.uniquely(cage.values, taken)

@@ -47,3 +47,11 @@ def weights(ob, name):
 
 def properties(ob):
     return recipe.properties(ob)
+
+
+def drawn(ob):
+    """The points of an object as it is drawn, with the modifiers that are on."""
+    mesh = ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    found = numpy.empty(len(mesh.vertices) * 3, numpy.float32)
+    mesh.vertices.foreach_get("co", found)
+    return found.reshape(-1, 3)

@@ -73,7 +73,7 @@ def test_pinned_points_follow_the_armature_and_nothing_else(dressed):
 def test_the_render_mesh_follows_the_cloth(dressed):
     sim, render = products(dressed)
     assert bpy.ops.tailor.drive() == {"FINISHED"}
-    assert [modifier.type for modifier in render.modifiers] == ["ARMATURE", "MESH_SEQUENCE_CACHE", "SUBSURF"]
+    assert [modifier.type for modifier in render.modifiers] == ["ARMATURE", "NODES", "MESH_SEQUENCE_CACHE", "SUBSURF"]
     for frame in (1, FRAMES // 2, FRAMES):
         bpy.context.scene.frame_set(frame)
         below, above = points(sim), points(render)

@@ -88,9 +88,9 @@ def test_a_mesh_that_is_no_garment_shows_how_to_begin():
 def test_each_panel_draws_what_exists(panel):
     set_up(armature=False, shape_key=False)
     bpy.ops.tailor.add(kind="fold", source="BORDERS", name="hems")
-    for state in ("new", "built"):
-        if state == "built":
-            bpy.ops.tailor.tailor()
+    for action in (None, bpy.ops.tailor.tailor, bpy.ops.tailor.cloth, bpy.ops.tailor.preview):
+        if action:
+            action()
         assert panel.poll(bpy.context) and drawn(panel)
 
 
@@ -120,3 +120,26 @@ def test_a_message_selects_what_it_names():
     edited = bmesh.from_edit_mesh(ob.data)
     chosen = [vert for vert in edited.verts if vert.select]
     assert chosen and all(any(edge.seam for edge in vert.link_edges) for vert in chosen), "they are on the seams"
+
+
+def test_messages_are_in_the_words_of_the_panel():
+    ob = set_up(armature=False, shape_key=False)
+    for text, shown in {
+        "seam.sewn: too wide. Lower `seam.sewn.width`": "seam sewn: too wide. Lower Width of seam sewn",
+        "or set `cloth.rest=mesh`, or sim.maxEdgeLength": "or set Rest = mesh, or Max edge length",
+        "its normalOffset is reduced": "its normal offset is reduced",
+        "/Shirt/model.primvars:st: UVs are flipped": "UV map UVMap: UVs are flipped",
+        "subdivisionScheme of no.such.option": "subdivisionScheme of no.such.option",
+    }.items():
+        assert messages.shown(ob, {"message": text}) == shown
+
+
+def test_no_message_of_a_check_names_a_key():
+    ob = set_up(armature=False, shape_key=False)
+    ob["tailor:seam:sewn:width"], ob["tailor:seam:sewn:normalOffset"], ob["tailor:sim:maxEdgeLength"] = 0.2, -0.1, 0.08
+    bpy.ops.tailor.check()
+    texts = [messages.shown(ob, message) for message in messages.of(ob)["messages"]]
+    assert any("Width of seam sewn" in text for text in texts)
+    for group, options in panels.recipe.table().items():
+        for of in options:
+            assert not any(f"{group}.{of.key}" in text or f"sewn.{of.key}" in text for text in texts), of

@@ -6,7 +6,7 @@ import garment
 import numpy
 import pytest
 import usd_tailor
-from bl_ext.user_default.usd_tailor import recipe
+from bl_ext.user_default.usd_tailor import messages, recipe
 from loop import active, set_up
 
 
@@ -158,6 +158,75 @@ def test_every_option_of_the_table_has_its_range_and_meaning(shirt):
     built(shirt)
 
 
+# Names that a function and a set have.
+
+
+def hide(ob, *names):
+    """Edge attributes of these names, with one edge each."""
+    for name in names:
+        ob.data.attributes.new(name, "BOOLEAN", "EDGE").data[0].value = True
+
+
+@pytest.mark.parametrize(("source", "name"), [("UV", "uvSeams"), ("BORDERS", "borders")])
+def test_menus_name_functions_that_no_attribute_hides(shirt, source, name):
+    bpy.ops.tailor.add(kind="seam", source=source, name="of")
+    expression = shirt["tailor:seam:of:edges"]
+    assert expression.startswith(f"{name}(") and expression.endswith(")")
+    bpy.ops.tailor.select(kind="seam", name="of")
+    before = selected(shirt, "edges")
+    hide(shirt, name)
+    bpy.ops.tailor.select(kind="seam", name="of")
+    assert selected(shirt, "edges") == before and len(before) > 10
+    bpy.ops.tailor.check()
+    assert not hiding(shirt)
+
+
+def hiding(ob):
+    return [message["message"] for message in messages.of(ob)["messages"] if "hides the function" in message["message"]]
+
+
+def test_check_tells_what_hides_a_function(shirt):
+    hide(shirt, "borders", "uvSeams")
+    bpy.ops.tailor.add(kind="seam", source="BORDERS", name="of")
+    for value, names in (("borders", ["borders"]), ("borders.1 + uvSeams", ["borders", "uvSeams"]), ("borders(), border(material(borders))", []), ("edges", [])):
+        shirt["tailor:seam:of:edges"] = value
+        try:
+            bpy.ops.tailor.check()
+        except RuntimeError:
+            # A piece of a set that is hidden may be no set.
+            continue
+        found = hiding(shirt)
+        assert len(found) == len(names), (value, found)
+        assert all(f"Edges of seam of: {name} is the edge attribute" in text and f"write {name}()" in text for name, text in zip(names, found))
+
+
+def test_a_vertex_group_hides_a_function_of_points_alone(shirt):
+    shirt.vertex_groups.new(name="points").add(range(50), 1.0, "REPLACE")
+    shirt.vertex_groups.new(name="borders").add(range(50), 1.0, "REPLACE")
+    bpy.ops.tailor.add(kind="seam", source="BORDERS", name="of")
+    shirt["tailor:seam:of:edges"], shirt["tailor:cloth:pins"] = "borders", "points"
+    bpy.ops.tailor.check()
+    assert len(hiding(shirt)) == 1 and "Pins: points is the vertex group" in hiding(shirt)[0]
+
+
+def test_sets_that_no_option_names_are_one_message(shirt):
+    def lost():
+        """Messages of the sets below, but those that tell something of a material too."""
+        bpy.ops.tailor.check()
+        found = [message for message in messages.of(shirt)["messages"] if "_strip" in message["message"]]
+        return [message for message in found if not {"Body", "Collar"}.intersection(message.get("names", ()))]
+
+    for number in range(5):
+        # Single faces, which large triangles lose.
+        shirt.data.attributes.new(f"a_strip{number}", "BOOLEAN", "FACE").data[40 * number].value = True
+    shirt["tailor:sim:maxEdgeLength"] = 0.08
+    [message] = lost()
+    assert "no option names them" in message["message"] and messages.elements(message) == ("", [])
+    bpy.ops.tailor.add(kind="fold", source="BORDERS", name="of")
+    shirt["tailor:fold:of:faces"] = "a_strip0"
+    assert len(lost()) > 1, "a set that is used has messages of its own"
+
+
 # Files.
 
 
@@ -221,6 +290,27 @@ def test_an_import_brings_sets_back(tmp_path):
     for name in ("topstitch", "cuff_faces"):
         found, before = (sum(value.value for value in m.attributes[name].data) for m in (mesh, expected))
         assert found == before > 0
+
+
+def test_an_import_of_a_tailored_file_leaves_no_empties_of_scopes(shirt, tmp_path):
+    from pxr import Sdf, Usd, UsdGeom
+
+    bpy.ops.tailor.pin(group="pins")
+    bpy.ops.tailor.export(filepath=str(tmp_path / "garment.usdc"))
+    built = str(tmp_path / "built.usdc")
+    usd_tailor.build(tmp_path / "garment.usdc", built)
+    stage = Usd.Stage.Open(built)
+    parent = next(prim for prim in stage.Traverse() if prim.HasAttribute("primvars:tailor:bindFace")).GetParent().GetPath()
+    UsdGeom.Scope.Define(stage, parent.AppendChild("mine")).GetPrim().CreateAttribute("userProperties:note", Sdf.ValueTypeNames.String).Set("kept")
+    UsdGeom.Xform.Define(stage, stage.GetDefaultPrim().GetPath().AppendPath("elsewhere/physics"))
+    stage.Export(str(tmp_path / "more.usdc"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(tmp_path / "more.usdc"), import_guide=True)
+    empties = {ob.name for ob in bpy.data.objects if ob.type == "EMPTY"}
+    assert "mine" in empties and sum("physics" in name for name in empties) == 1
+    assert not [name for name in empties if "anchor" in name or "aterial" in name]
+    assert all(not ob.parent or ob.parent.name in bpy.data.objects for ob in bpy.data.objects)
+    assert len([ob for ob in bpy.data.objects if ob.type == "MESH"]) >= 2
 
 
 def test_the_garment_is_exported_with_mirror_and_skin(tmp_path):

@@ -144,10 +144,10 @@ def test_subdivision_is_last_and_has_the_levels_that_are_left(shirt):
 
 def test_again_keeps_the_objects_and_what_the_user_gave_them(shirt):
     sim, render = products(shirt)
-    render.modifiers.new("Mine", "TRIANGULATE")
+    render.modifiers.new("Mine", "SMOOTH").vertex_group = "pins"
     shirt["tailor:render:level"] = 2
     bpy.ops.tailor.tailor()
-    assert products(shirt) == [sim, render] and "Mine" in render.modifiers
+    assert products(shirt) == [sim, render] and render.modifiers["Mine"].vertex_group == "pins"
     assert len([ob for ob in bpy.data.objects if links.OF in ob]) == 2
     assert len(bpy.data.meshes) == 3, "no mesh is left over"
 
