@@ -169,7 +169,7 @@ impl ShotWriter {
                     stand_in(places.len() - 1)
                 })?;
                 let temporary = out.into_inner().map_err(|e| self.file.fault(e.error()))?;
-                append_structure(temporary.as_file(), position, &self.layer, &places)
+                append_structure(temporary.as_file(), position, &mut self.layer, &places)
                     .map_err(|e| self.file.fault(&e))?;
                 if !reads_back(temporary.path(), self.paths.iter().zip(&written)) {
                     let e = io::Error::other("it does not read back as it was written");
@@ -290,7 +290,7 @@ fn stand_in(index: usize) -> Value {
 }
 
 /// Writes the layer after the arrays, which end at `position`, and points it to them.
-fn append_structure(file: &File, position: u64, layer: &Data, places: &[u64]) -> io::Result<()> {
+fn append_structure(file: &File, position: u64, layer: &mut Data, places: &[u64]) -> io::Result<()> {
     let mut out = AfterArrays { file, arrays_end: position, is_begun: false };
     let mut buffered = Vec::new();
     out.rewind()?;

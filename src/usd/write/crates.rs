@@ -1,7 +1,7 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
 use crate::codes;
-use openusd::sdf::{AbstractData, Data, FormatError, Value};
+use openusd::sdf::{AbstractData, Data, FormatError, Path, SpecType, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use tailor_mesh::error::{Error, Warning, Warnings};
@@ -16,7 +16,8 @@ const OLD_MINOR_VERSION: u8 = 8;
 ///
 /// # Errors
 /// A value that a crate cannot hold, a failure of `out`.
-pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), FormatError> {
+pub fn write_crate<W: Write + Seek>(data: &mut Data, out: &mut W) -> Result<(), FormatError> {
+    add_empty_text(data);
     let start = out.stream_position()?;
     CrateWriter::write(data, out)?;
     let new = data.iter().any(|(_, spec)| spec.fields.iter().any(|(_, v)| any(v, &needs_new_version)));
@@ -29,11 +30,24 @@ pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), Form
     Ok(())
 }
 
+/// Adds an empty text to the layer's metadata. OpenUSD looks for the empty token, as the name of the root, when it saves over a crate,
+/// and the crate writer leaves it out.
+fn add_empty_text(data: &mut Data) {
+    let root = Path::abs_root();
+    if !data.has_spec(&root) {
+        data.create_spec(root.clone(), SpecType::PseudoRoot);
+    }
+    let is_free = |key: &&str| !data.has_field(&root, key);
+    if let Some(key) = ["comment", "documentation", "owner"].into_iter().find(is_free) {
+        data.set_field(&root, key, Value::String(String::new()));
+    }
+}
+
 /// `data` as a crate in memory.
 ///
 /// # Errors
 /// A value that a crate cannot hold.
-pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
+pub fn encode(data: &mut Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
     write_crate(data, &mut out)
         .map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")).code(codes::WRITE_FAILED))?;

@@ -169,7 +169,7 @@ impl OutputFile {
             Format::Usda => self.filled(|out| write_text(&data, out))?,
             Format::Usdc => {
                 warnings = remove_unwritable(&mut data);
-                self.filled(|out| write_crate(&data, out))?
+                self.filled(|out| write_crate(&mut data, out))?
             }
             Format::Usdz => {
                 let package = warnings.absorb(package(&mut data, &self.stem)?);
