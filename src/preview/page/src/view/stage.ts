@@ -1,6 +1,6 @@
 // Draws the meshes into their columns.
 
-import { Group, Vector2, Vector3, WebGLRenderer } from "three";
+import { Camera, Group, LinearSRGBColorSpace, Vector3, WebGLRenderer } from "three";
 import type { IUniform, WebGLRenderTarget } from "three";
 import type { LookInfo, Role } from "../server/protocol";
 import type { Fabric, Shading, ViewOptions, Weave } from "./api";
@@ -12,13 +12,14 @@ import { chosen, pitch, WEAVES } from "./shade/fabric";
 import { aspectOf, ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
 import { Images } from "./shade/images";
+import { setView } from "./mesh/lines";
+import type { Eye } from "./mesh/lines";
 import { MarkerSet } from "./mesh/markerSet";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
 import type { Cameras } from "./camera/cameras";
 import type { SpaceRig } from "./camera/rig";
 import { isSoftware } from "./shade/software";
-import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
 
@@ -62,12 +63,10 @@ export class Stage {
     uEdgeSets: { value: false },
     uShading: { value: 0 },
     uPixel: { value: 1 },
-    uView: { value: new Vector2(1, 1) },
     uSize: { value: 1 },
     uBias: { value: 0 },
     uUp: { value: new Vector3(0, 1, 0) },
     uAccent: { value: new Vector3(...ACCENT) },
-    uHard: { value: false },
     uOwnColour: { value: true },
     uColour: { value: new Vector3() },
     uRoughness: { value: -1 },
@@ -84,6 +83,8 @@ export class Stage {
   readonly #paints = new Map<string, Paint>();
   readonly #world = new Group();
   readonly #backdrop = new Backdrop();
+  /** Sees the whole canvas. */
+  readonly #whole = new Camera();
   readonly #half = new Vector3(1, 1, 1);
   readonly #shadows: Shadows;
   #hasShadows = false;
@@ -98,7 +99,8 @@ export class Stage {
     this.#isHard = isSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.#isHard, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
-    this.renderer.info.autoReset = true;
+    // All colours are those of the screen, and cloth encodes its own.
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#shadows = new Shadows(this.renderer);
     const { ground, square } = this.#backdrop;
     this.#world.add(ground, square, ...[this.inSpace, this.onPlane].flatMap(({ all }) => all.map(({ object }) => object)));
@@ -253,11 +255,10 @@ export class Stage {
     const { renderer } = this;
     this.#backdrop.setGround(this.centre, this.#half, cameras.space.up);
     this.uniforms.uPixel.value = sheet.ratio;
-    this.uniforms.uHard.value = sample !== null || this.#isHard;
     this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height, roles: [], flat: false });
     renderer.setClearColor(0, 0);
     renderer.clear();
-    if (!sheet.isClear) renderer.render(this.#backdrop.sky, cameras.space.camera);
+    if (!sheet.isClear) renderer.render(this.#backdrop.sky, this.#whole);
     for (const column of sheet.columns) {
       const caster = sample && this.#hasShadows && !column.flat ? this.solidOf(column) : null;
       if (caster) yield* this.#cast(caster, column, cameras.space, sample as Sample);
@@ -298,12 +299,14 @@ export class Stage {
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    this.#show(column, hasShadows);
-    this.uniforms.uView.value.set(width * ratio, height * ratio);
-    for (const marks of this.markersOf(flat).all) marks.setView(width * ratio, height * ratio, ratio);
-    if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
+    const eye = { camera: rig.camera, width, height };
+    setView(eye);
+    this.#show(column, eye, hasShadows);
+    for (const marks of this.markersOf(flat).all) marks.setEye(eye, ratio / this.renderer.getPixelRatio());
+    if (sample) rig.camera.setViewOffset(width, height, sample.jitter[0] / ratio, sample.jitter[1] / ratio, width, height);
     this.#open(sheet, column);
     this.renderer.render(this.#world, rig.camera);
+    rig.camera.clearViewOffset();
   }
 
   /** The last mesh of a column, which is solid; null while it is not there. */
@@ -320,7 +323,7 @@ export class Stage {
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */
-  #show(column: Column, hasShadows: boolean): void {
+  #show(column: Column, eye: Eye, hasShadows: boolean): void {
     const { flat } = column;
     const cloths = this.clothsOf(column);
     const drawn = column.roles.filter((role) => cloths.has(role));
@@ -331,13 +334,14 @@ export class Stage {
       cloth.object.visible = order >= 0 && (!flat || cloth.hasUvs);
       cloth.solid.material = last ? (hasShadows ? cloth.paint.shaded : cloth.paint.solid) : cloth.paint.overlay;
       cloth.solid.renderOrder = last ? 0 : 1 + order;
-      cloth.lines.setOver(!last);
+      const over = last ? 0 : this.uniforms.uBias.value / eye.camera.position.distanceTo(this.centre);
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
-      cloth.lines.setVisible(!last || drawn.length < 2);
+      if (last && drawn.length > 1) cloth.lines.hide();
+      else cloth.lines.show(eye, { flat, hasSets: this.uniforms.uEdgeSets.value, over });
     }
     if (this.body) {
       this.body.object.visible = this.#hasBody && !flat;
-      this.body.lines.setVisible(false);
+      this.body.lines.hide();
     }
     this.markersOf(!flat).show(null);
     this.markersOf(flat).show(drawn);

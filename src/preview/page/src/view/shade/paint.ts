@@ -1,19 +1,10 @@
 // The materials of one role. They outlive its meshes, as a program is compiled anew when its last material goes.
 
-import {
-  CustomBlending,
-  DoubleSide,
-  GLSL3,
-  OneFactor,
-  RawShaderMaterial,
-  Vector3,
-  ZeroFactor,
-} from "three";
+import { DoubleSide, GLSL3, RawShaderMaterial, Vector3 } from "three";
 import type { IUniform } from "three";
 import type { Role } from "../../server/protocol";
 import { CLOTH_FRAGMENT, CLOTH_VERTEX } from "./clothShader";
 import { OVERLAYS } from "./colours";
-import { SET_LINE_FRAGMENT, SET_LINE_VERTEX } from "./setLineShader";
 
 export class Paint {
   /** What the mesh sets, and what all meshes share. */
@@ -27,7 +18,6 @@ export class Paint {
   readonly pick: RawShaderMaterial;
   /** Depth alone, as the light sees it. */
   readonly depth: RawShaderMaterial;
-  readonly lines: RawShaderMaterial;
 
   constructor(role: Role, shared: Record<string, IUniform>) {
     this.uniforms = { ...shared, ...ownUniforms(role) };
@@ -38,7 +28,6 @@ export class Paint {
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
     this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
-    this.lines = lines(this.uniforms);
   }
 
   /** Whether cloth has a weave, or images: their code would slow other cloth. */
@@ -57,7 +46,6 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uPoints: { value: null },
     uNormals: { value: null },
     uFaces: { value: null },
-    uPalette: { value: null },
     uLooks: { value: null },
     uThreads: { value: 1 },
     uHasUv: { value: false },
@@ -65,8 +53,6 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uSquares: { value: 32 },
     uAboutIdeal: { value: false },
     uHanded: { value: 1 },
-    uHot: { value: -1 },
-    uOver: { value: false },
     uWireColour: { value: new Vector3(...OVERLAYS[role]) },
   };
 }
@@ -79,22 +65,5 @@ function cloth(parameters: ConstructorParameters<typeof RawShaderMaterial>[0]): 
     side: DoubleSide,
     forceSinglePass: true,
     ...parameters,
-  });
-}
-
-function lines(uniforms: Record<string, IUniform>): RawShaderMaterial {
-  return new RawShaderMaterial({
-    vertexShader: SET_LINE_VERTEX,
-    fragmentShader: SET_LINE_FRAGMENT,
-    glslVersion: GLSL3,
-    side: DoubleSide,
-    alphaToCoverage: true,
-    // Alpha says how much of the pixel is covered; the canvas stays opaque.
-    blending: CustomBlending,
-    blendSrc: OneFactor,
-    blendDst: ZeroFactor,
-    blendSrcAlpha: OneFactor,
-    blendDstAlpha: OneFactor,
-    uniforms,
   });
 }
