@@ -1,14 +1,14 @@
 // Draws the meshes into their columns.
 
-import { Camera, Group, LinearSRGBColorSpace, Vector3, WebGLRenderer } from "three";
+import { Box3, Camera, Group, LinearSRGBColorSpace, Sphere, Vector3, WebGLRenderer } from "three";
 import type { IUniform, WebGLRenderTarget } from "three";
 import type { LookInfo, Role } from "../server/protocol";
-import type { Fabric, Shading, ViewOptions, Weave } from "./api";
+import type { Fabric, Shading, ViewOptions } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT } from "./shade/colours";
 import { squareOf } from "./shade/checker";
-import { chosen, pitch, WEAVES } from "./shade/fabric";
+import { Chosen } from "./shade/fabric";
 import { aspectOf, ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
 import { Images } from "./shade/images";
@@ -16,7 +16,7 @@ import { setView } from "./mesh/lines";
 import type { Eye } from "./mesh/lines";
 import { MarkerSet } from "./mesh/markerSet";
 import { Paint } from "./shade/paint";
-import type { Box } from "./mesh/points";
+import type { Codes } from "./shade/paint";
 import type { Cameras } from "./camera/cameras";
 import type { SpaceRig } from "./camera/rig";
 import { isSoftware } from "./shade/software";
@@ -67,11 +67,6 @@ export class Stage {
     uBias: { value: 0 },
     uUp: { value: new Vector3(0, 1, 0) },
     uAccent: { value: new Vector3(...ACCENT) },
-    uOwnColour: { value: true },
-    uColour: { value: new Vector3() },
-    uRoughness: { value: -1 },
-    uWeave: { value: 0 },
-    uPitch: { value: 1 },
   } satisfies Record<string, IUniform>;
   width = 1;
   height = 1;
@@ -92,9 +87,14 @@ export class Stage {
   /** A pixel of the canvas has one sample. */
   readonly #isHard: boolean;
   #metersPerUnit = 0.01;
-  #weave: Weave = "none";
+  #fabric: Fabric | null = null;
+  readonly #chosen = new Chosen();
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  /** `changed` is called when an image has arrived. */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly changed: () => void,
+  ) {
     // Several samples a pixel take more than twice the time without a graphics card, and the picture at rest has them anyway.
     this.#isHard = isSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.#isHard, alpha: false, powerPreference: "high-performance" });
@@ -109,9 +109,9 @@ export class Stage {
 
   paintOf(role: Role, isKept = false): Paint {
     const key = `${role} ${isKept}`;
-    const paint = this.#paints.get(key) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms, uImages: this.images.uniform });
-    paint.setCode("WEAVE", this.#weave !== "none");
-    paint.setCode("IMAGES", this.images.layers.length > 0);
+    const shared = { ...this.uniforms, ...this.#chosen.uniforms, ...this.#shadows.uniforms, uImages: this.images.uniform };
+    const paint = this.#paints.get(key) ?? new Paint(role, shared);
+    paint.setCodes(this.#codes);
     this.#paints.set(key, paint);
     return paint;
   }
@@ -169,14 +169,22 @@ export class Stage {
     this.#backdrop.setTheme(options.theme);
   }
 
+  get #codes(): Codes {
+    return { ...this.#chosen.codes, IMAGES: this.images.layers.length > 0 };
+  }
+
+  #recode(): void {
+    for (const paint of this.#paints.values()) paint.setCodes(this.#codes);
+    this.changed();
+  }
+
   /** Takes the looks of the model's materials; those with images once more when these are there. */
-  setLooks(looks: LookInfo[], then: () => void): void {
+  setLooks(looks: LookInfo[]): void {
     this.#dress(looks);
     void this.images.load(looks).then((isNew) => {
       if (!isNew) return;
-      for (const paint of this.#paints.values()) paint.setCode("IMAGES", this.images.layers.length > 0);
       this.#dress(looks);
-      then();
+      this.#recode();
     });
   }
 
@@ -186,33 +194,23 @@ export class Stage {
 
   setUnit(metersPerUnit: number): void {
     this.#metersPerUnit = metersPerUnit;
-    this.uniforms.uPitch.value = pitch(this.#weave, metersPerUnit);
+    if (this.#fabric) this.#setFabric(this.#fabric);
   }
 
   #setFabric(fabric: Fabric): void {
-    const { uniforms } = this;
-    this.#weave = fabric.weave;
-    uniforms.uOwnColour.value = fabric.colour === null;
-    uniforms.uColour.value.set(...chosen(fabric));
-    uniforms.uRoughness.value = fabric.roughness ?? -1;
-    uniforms.uWeave.value = WEAVES[fabric.weave];
-    for (const paint of this.#paints.values()) paint.setCode("WEAVE", fabric.weave !== "none");
-    this.setUnit(this.#metersPerUnit);
+    this.#fabric = fabric;
+    this.#chosen.set(fabric, this.#metersPerUnit, () => this.#fabric && this.#setFabric(this.#fabric));
+    this.#recode();
   }
 
   /** Takes the bounds of these meshes, and the size of their checker. */
   measure(roles: Role[]): void {
     this.#setSquares();
-    const boxes = roles.map((role) => this.cloths.get(role)?.box).filter((box): box is Box => box !== undefined);
-    if (boxes.length === 0) return;
-    const least = new Vector3().setScalar(Infinity);
-    const most = new Vector3().setScalar(-Infinity);
-    for (const box of boxes) {
-      least.min(new Vector3(...box.least));
-      most.max(new Vector3(...box.most));
-    }
-    this.centre.addVectors(least, most).multiplyScalar(0.5);
-    this.#half.subVectors(most, least).multiplyScalar(0.5);
+    const all = new Box3();
+    for (const role of roles) all.union(this.cloths.get(role)?.box ?? all);
+    if (all.isEmpty()) return;
+    all.getCenter(this.centre);
+    all.getSize(this.#half).multiplyScalar(0.5);
     this.radius = Math.max(this.#half.length(), 1e-6);
     this.uniforms.uSize.value = CAVITY * this.radius;
     this.uniforms.uBias.value = BIAS * this.radius;
@@ -316,7 +314,7 @@ export class Stage {
   }
 
   *#cast(cloth: Cloth, column: Column, space: SpaceRig, sample: Sample): Generator<void> {
-    const all = { centre: this.centre, radius: this.radius };
+    const all = new Sphere(this.centre, this.radius);
     space.setBounds(this.centre, this.radius);
     space.place(aspectOf(column));
     yield* this.#shadows.cast(cloth, sample, space.camera, all, space.inView());

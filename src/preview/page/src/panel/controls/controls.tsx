@@ -1,5 +1,6 @@
 // Controls that know nothing of the recipe.
 
+import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
 import { Icon, type IconName } from "./icons";
 
@@ -71,9 +72,7 @@ interface SelectProps extends Described {
 export function Select({ label, describedBy, invalid, value, groups, change }: SelectProps) {
   const options = (choices: SelectProps["groups"][number]["choices"]) =>
     choices.map((choice) => (
-      <option key={choice.value} value={choice.value}>
-        {choice.label}
-      </option>
+      <option key={choice.value} value={choice.value}>{choice.label}</option>
     ));
   const byHand = useRef(false);
   return (
@@ -120,6 +119,20 @@ export function Toggle({ label, icon, on, hint, change }: ToggleProps) {
     >
       <Icon name={icon} />
     </button>
+  );
+}
+
+interface ButtonProps {
+  children: ComponentChildren;
+  hint?: string;
+  disabled?: boolean;
+  class?: string;
+  act(): void;
+}
+
+export function Button({ children, hint, disabled, class: name = "", act }: ButtonProps) {
+  return (
+    <button type="button" class={`button ${name}`} title={hint} disabled={disabled} onClick={act}>{children}</button>
   );
 }
 

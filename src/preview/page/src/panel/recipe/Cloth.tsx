@@ -16,9 +16,7 @@ export function ClothFigures() {
   const cloth = useSelect((state) => state.cloth);
   if (!cloth) return null;
   return (
-    <p class="cloth-figures" data-testid="cloth-figures">
-      {words(cloth)}
-    </p>
+    <p class="cloth-figures" data-testid="cloth-figures">{words(cloth)}</p>
   );
 }
 

@@ -77,12 +77,7 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
           onPointerLeave={() => store.highlight(null)}
         >
           <Swatch set={name} />
-          <button
-            type="button"
-            class="set-chip-name"
-            title={`Select ${wordsOf(name)}`}
-            onClick={() => store.selector.take(name)}
-          >
+          <button type="button" class="set-chip-name" title={`Select ${wordsOf(name)}`} onClick={() => store.selector.take(name)}>
             {wordsOf(name)}
           </button>
           <button

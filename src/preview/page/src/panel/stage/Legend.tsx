@@ -1,6 +1,7 @@
 import { isQuality } from "../../view/mesh/values";
 import { heatCss, scaleOf, valueAt } from "../../view/shade/heat";
 import { CUTS } from "../../view/mesh/panels";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { lengthOrArea, rounded } from "../controls/numbers";
 import { Swatch } from "../recipe/SetChips";
@@ -83,9 +84,7 @@ function HeatLegend() {
   if (shading !== "values") return null;
   if (!heat || heat.name !== wanted) {
     return (
-      <p class="legend" role="status">
-        The heat is being made
-      </p>
+      <p class="legend" role="status">The heat is being made</p>
     );
   }
   const scale = scaleOf(heat);
@@ -103,9 +102,7 @@ function HeatLegend() {
         <span>{at(1)}</span>
       </div>
       {isQuality(heat) && (
-        <button type="button" class="button is-small" onClick={() => flyToWorst(store)}>
-          Fly to the worst
-        </button>
+        <Button class="is-small" act={() => flyToWorst(store)}>Fly to the worst</Button>
       )}
     </figure>
   );

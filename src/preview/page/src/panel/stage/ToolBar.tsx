@@ -49,12 +49,7 @@ export function ToolBar() {
         ]}
         change={(layout) => store.settings({ layout })}
       />
-      <Segments
-        label="Shading"
-        value={settings.shading}
-        choices={SHADINGS}
-        change={(shading) => store.settings({ shading })}
-      />
+      <Segments label="Shading" value={settings.shading} choices={SHADINGS} change={(shading) => store.settings({ shading })} />
       {settings.shading === "cloth" && <FabricButton />}
       {settings.shading === "values" && <HeatSelect />}
       <Levels />
@@ -122,13 +117,7 @@ export function SideBar() {
   const split = useSelect((state) => state.split);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
-      <Toggle
-        label="Wires"
-        icon="wires"
-        hint="Edges of the mesh (W)"
-        on={wires}
-        change={(wires) => store.settings({ wires })}
-      />
+      <Toggle label="Wires" icon="wires" hint="Edges of the mesh (W)" on={wires} change={(wires) => store.settings({ wires })} />
       <Toggle
         label="Edge sets"
         icon="edgeSets"
@@ -200,12 +189,7 @@ export function SideBar() {
           change={(symmetric) => store.settings({ symmetric })}
         />
       )}
-      <IconButton
-        label="Frame"
-        icon="frame"
-        hint="Frame what is marked, or everything (F)"
-        act={() => store.view?.frame()}
-      />
+      <IconButton label="Frame" icon="frame" hint="Frame what is marked, or everything (F)" act={() => store.view?.frame()} />
       <PictureButton />
     </div>
   );

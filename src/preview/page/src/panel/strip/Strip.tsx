@@ -120,9 +120,7 @@ function Brief({ role, isShown, product, figures }: BriefProps) {
     <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint} data-brief={role}>
       {ROLE_NAMES[role]}
       {standing.is !== "current" && (
-        <em class="standing" title={standing.why}>
-          {standing.is}
-        </em>
+        <em class="standing" title={standing.why}>{standing.is}</em>
       )}
       {product ? (
         <>

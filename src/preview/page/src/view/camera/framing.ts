@@ -1,6 +1,6 @@
 // What the camera frames: everything, the highlighted sets, or the marks.
 
-import { Vector3 } from "three";
+import { Box3, Sphere, Vector3 } from "three";
 import type { Cloth } from "../mesh/cloth";
 import type { Shapes } from "../mesh/marks";
 import type { Cloud } from "./rig";
@@ -8,11 +8,6 @@ import type { Cloud } from "./rig";
 /** Least radius of what is framed, so that a mark is seen with the cloth around it. [mean edges], [UV units] */
 const CONTEXT = 8;
 const FLAT_CONTEXT = 0.06;
-
-export interface Ball {
-  centre: Vector3;
-  radius: number;
-}
 
 /** All of the mesh that is drawn. */
 export function wholeOf(cloth: Cloth, flat: boolean): Cloud {
@@ -64,17 +59,11 @@ export function placesOfShapes({ points, segments, triangles }: Shapes): number[
 }
 
 /** The sphere around the box of places, no smaller than what gives context; null if there are none. */
-export function ballOf(places: number[], cloth: Cloth, flat: boolean): Ball | null {
+export function ballOf(places: number[], cloth: Cloth, flat: boolean): Sphere | null {
   if (places.length === 0) return null;
-  const least = new Vector3().setScalar(Infinity);
-  const most = new Vector3().setScalar(-Infinity);
-  for (let at = 0; at < places.length; at += 3) {
-    const place = new Vector3().fromArray(places, at);
-    least.min(place);
-    most.max(place);
-  }
+  const { center, radius } = new Box3().setFromArray(places).getBoundingSphere(new Sphere());
   const context = flat ? FLAT_CONTEXT : CONTEXT * meanEdge(cloth);
-  return { centre: least.clone().add(most).multiplyScalar(0.5), radius: Math.max(most.distanceTo(least) / 2, context) };
+  return new Sphere(center, Math.max(radius, context));
 }
 
 /** The mean of the outward normals, or null if they cancel out. */

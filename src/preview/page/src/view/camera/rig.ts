@@ -1,6 +1,6 @@
 // A camera with its pose: in space it orbits a target; in the flat view it looks down on the UV plane.
 
-import { OrthographicCamera, PerspectiveCamera, Vector2, Vector3 } from "three";
+import { OrthographicCamera, PerspectiveCamera, Sphere, Vector2, Vector3 } from "three";
 import { Motion } from "./motion";
 import type { Pose } from "./motion";
 import type { Side } from "../api";
@@ -86,9 +86,9 @@ export abstract class Rig {
   }
 
   /** The sphere as six points, so that small things are shown with what is around them. */
-  fitSphere(centre: Vector3, radius: number, aspect: number, direction?: [number, number]): Pose | null {
+  fitSphere({ center, radius }: Sphere, aspect: number, direction?: [number, number]): Pose | null {
     const offsets = [radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius];
-    const middle = centre.toArray();
+    const middle = center.toArray();
     return this.fit([{ values: offsets.map((offset, at) => middle[at % 3] + offset), stride: 3 }], aspect, direction);
   }
 
@@ -196,10 +196,10 @@ export class SpaceRig extends Rig {
   }
 
   /** A sphere around what is in view near the target. */
-  inView(): { centre: Vector3; radius: number } {
+  inView(): Sphere {
     const [x, y, z, size] = this.motion.pose;
     const { aspect } = this.camera;
-    return { centre: new Vector3(x, y, z), radius: 1.15 * this.halfHeight(size, aspect) * Math.hypot(1, aspect) };
+    return new Sphere(new Vector3(x, y, z), 1.15 * this.halfHeight(size, aspect) * Math.hypot(1, aspect));
   }
 
   protected axes(turn: number, tilt: number): { right: Vector3; up: Vector3; back: Vector3 } {

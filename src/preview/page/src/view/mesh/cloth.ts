@@ -1,14 +1,13 @@
 // A mesh on the graphics card. Triangles are static and point into textures, so that a frame with new positions sends
 // those only.
 
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere } from "three";
+import { Box3, BufferAttribute, BufferGeometry, Group, Mesh, Sphere } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
 import type { LookInfo, MeshHeader } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
-import type { Box } from "./points";
 import { BORDER, HIDDEN } from "../shade/classes";
 import { edgeClasses, fillFaces, Membership, namesDrawn, readSets } from "./sets";
 import { squareOf } from "../shade/checker";
@@ -43,7 +42,7 @@ export class Cloth {
   /** -1 if faces run the other way round, so that normals point inwards. */
   readonly handed: 1 | -1;
   readonly triangles: Triangles;
-  box: Box = { least: [0, 0, 0], most: [0, 0, 0] };
+  box = new Box3();
   /** u, v of each corner, or empty. */
   uvs: Float32Array = new Float32Array(0);
   /** Mean length on the surface of one unit of UV, or 0 if it is not known. */
@@ -223,7 +222,7 @@ export class Cloth {
     this.paint.uniforms.uHasUv.value = this.hasUvs;
     this.uvRange = rangeOf(this.uvs);
     this.uvLength = lengthOfUv(this.uvs, this.points, this.faces);
-    this.paint.uniforms.uThreads.value = this.uvLength || 1;
+    this.paint.uniforms.uUvLength.value = this.uvLength || 1;
     if (!this.hasUvs) return;
     const array = this.#attribute("aUv", 2);
     const { corners } = this.triangles;

@@ -4,7 +4,6 @@ import { ABOUT_IDEAL, HEAT } from "./heat";
 import { BORDER } from "./classes";
 import { CLOTH, IMAGE, ROUGHNESS } from "./fabric";
 import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
-import { WEAVE_CODE } from "./weaveShader";
 
 /** The terms of a polynomial from the highest, as code. */
 const heatTerms = [...HEAT]
@@ -98,10 +97,15 @@ uniform mediump sampler2DArray uImages;
 #endif
 uniform vec3 uColour;
 uniform float uRoughness;
-#ifdef WEAVE
-uniform int uWeave;
-uniform float uThreads;
-uniform float uPitch;
+uniform float uUvLength;
+#ifdef FABRIC
+uniform sampler2D uFabric;
+uniform float uFabricSize;
+#endif
+#ifdef RELIEF
+uniform sampler2D uRelief;
+uniform float uReliefSize;
+uniform bool uHasHeights;
 #endif
 #ifdef SHADOWS
 ${SHADOW_UNIFORMS}#endif
@@ -181,6 +185,10 @@ vec3 ownColour() {
 vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
   vec3 base = uOwnColour && uShading == 0 ? ownColour() : uColour;
+#ifdef FABRIC
+  vec3 image = texture(uFabric, vUv * uUvLength / uFabricSize).rgb;
+  if (uHasUv && uShading == 0) base = image;
+#endif
   vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
@@ -198,17 +206,28 @@ vec3 facing(vec3 own, bool front) {
   return agree != agree ? own : normalize(mix(own, smoothed, smoothstep(0.25, 0.65, agree)));
 }
 
-#ifdef WEAVE
-${WEAVE_CODE}#endif
+#ifdef RELIEF
+// The normal with the relief, and in the fourth number its height from 0 to 1.
+vec4 embossed(vec3 n, vec3 dx, vec3 dy) {
+  vec4 map = texture(uRelief, vUv * uUvLength / uReliefSize);
+  vec2 ux = dFdx(vUv);
+  vec2 uy = dFdy(vUv);
+  float way = sign(ux.x * uy.y - ux.y * uy.x);
+  if (!uHasUv || uShading != 0 || way == 0.0) return vec4(n, 0.5);
+  vec3 u = normalize(dx * uy.y - dy * ux.y) * way;
+  vec3 v = normalize(dy * ux.x - dx * uy.x) * way;
+  vec3 bent = map.xyz * 2.0 - 1.0;
+  return vec4(normalize(bent.x * u + bent.y * v + bent.z * n), uHasHeights ? map.a : 0.5);
+}
+#endif
+
 vec3 lit(vec3 base, bool front) {
   vec3 dx = dFdx(vView);
   vec3 dy = dFdy(vView);
   vec3 own = normalize(cross(dx, dy));
   vec3 smoothed = facing(own, front);
-#ifdef WEAVE
-  vec2 ux = dFdx(vUv) * uThreads / uPitch;
-  vec2 uy = dFdy(vUv) * uThreads / uPitch;
-  vec4 bent = uHasUv && uShading == 0 ? woven(smoothed, dx, dy, ux, uy) : vec4(smoothed, 0.5);
+#ifdef RELIEF
+  vec4 bent = embossed(smoothed, dx, dy);
 #else
   vec4 bent = vec4(smoothed, 0.5);
 #endif

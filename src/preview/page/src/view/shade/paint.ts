@@ -23,23 +23,30 @@ export class Paint {
     this.uniforms = { ...shared, ...ownUniforms(role) };
     const level = { ...this.uniforms, uOverlay: { value: false }, uBias: { value: 0 } };
     const over = { ...this.uniforms, uOverlay: { value: true } };
-    this.solid = cloth({ uniforms: level });
-    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true } });
+    // What lies in the surface is seen where that rises towards the eye.
+    const behind = { polygonOffset: true, polygonOffsetFactor: 2 };
+    this.solid = cloth({ uniforms: level, ...behind });
+    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true }, ...behind });
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
     this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
   }
 
-  /** Whether cloth has a weave, or images: their code would slow other cloth. */
-  setCode(name: "WEAVE" | "IMAGES", is: boolean): void {
+  /** Which code cloth needs: it would slow other cloth. */
+  setCodes(codes: Codes): void {
     for (const material of [this.solid, this.shaded]) {
-      if (name in material.defines === is) continue;
-      if (is) material.defines[name] = true;
-      else delete material.defines[name];
-      material.needsUpdate = true;
+      for (const [name, is] of Object.entries(codes)) {
+        if (name in material.defines === is) continue;
+        if (is) material.defines[name] = true;
+        else delete material.defines[name];
+        material.needsUpdate = true;
+      }
     }
   }
 }
+
+/** Code for the images of the model's materials, for a chosen image and for a relief. */
+export type Codes = Record<"IMAGES" | "FABRIC" | "RELIEF", boolean>;
 
 function ownUniforms(role: Role): Record<string, IUniform> {
   return {
@@ -47,7 +54,7 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uNormals: { value: null },
     uFaces: { value: null },
     uLooks: { value: null },
-    uThreads: { value: 1 },
+    uUvLength: { value: 1 },
     uHasUv: { value: false },
     uHasValues: { value: false },
     uSquares: { value: 32 },
