@@ -2,7 +2,7 @@
 // those only.
 
 import { Box3, BufferAttribute, BufferGeometry, Group, Mesh, Sphere } from "three";
-import type { DataTexture, RawShaderMaterial } from "three";
+import type { DataTexture, ShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
 import type { LookInfo, MeshHeader } from "../../server/protocol";
 import { computeNormals } from "./normals";
@@ -31,7 +31,7 @@ export interface Content extends Pick<MeshFrame, "f32" | "u32" | "u8"> {
 export class Cloth {
   /** The triangles and the lines of sets. */
   readonly object = new Group();
-  readonly solid: Mesh<BufferGeometry, RawShaderMaterial>;
+  readonly solid: Mesh<BufferGeometry, ShaderMaterial>;
   readonly lines = new SetLines(this);
   readonly edges: Edges;
   readonly pointCount: number;

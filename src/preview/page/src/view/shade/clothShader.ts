@@ -13,16 +13,7 @@ const heatTerms = [...HEAT]
 
 const [below, ideal, above] = ABOUT_IDEAL.map((colour) => `vec3(${colour.map((value) => value.toFixed(3)).join(", ")})`);
 
-const HEADER = /* glsl */ `
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-`;
-
-export const CLOTH_VERTEX = /* glsl */ `${HEADER}
-uniform mat4 modelViewMatrix;
-uniform mat4 projectionMatrix;
-uniform mat3 normalMatrix;
+export const CLOTH_VERTEX = /* glsl */ `
 uniform sampler2D uPoints;
 uniform sampler2D uNormals;
 uniform sampler2D uFaces;
@@ -74,7 +65,7 @@ void main() {
 #endif
 `;
 
-export const CLOTH_FRAGMENT = /* glsl */ `${HEADER}
+export const CLOTH_FRAGMENT = /* glsl */ `
 uniform bool uFlat;
 uniform bool uHasUv;
 uniform bool uHasValues;
@@ -124,14 +115,6 @@ out vec4 colour;
 const int FACE_SETS = 1;
 const int CHECKER = 2;
 const int VALUES = 3;
-
-vec3 decode(vec3 c) {
-  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
-}
-
-vec3 encode(vec3 c) {
-  return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
-}
 
 vec3 heat(float t) {
   if (uAboutIdeal) return mix(${ideal}, t < 0.5 ? ${below} : ${above}, abs(2.0 * t - 1.0));
@@ -234,7 +217,7 @@ vec3 lit(vec3 base, bool front) {
   vec3 n = bent.xyz;
   float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? ownRoughness() : uRoughness);
   vec3 v = normalize(-vView);
-  vec3 albedo = decode(base);
+  vec3 albedo = sRGBTransferEOTF(vec4(base, 1.0)).rgb;
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));
   vec3 fill = normalize(vec3(0.85, 0.1, 0.45));
   float hollow = vCurvature * uHanded * (front ? 1.0 : -1.0) * uSize;
@@ -254,7 +237,7 @@ vec3 lit(vec3 base, bool front) {
   float inside = front ? 1.0 : 0.66;
   vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside * (0.7 + 0.6 * bent.w);
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
-  vec3 shown = encode(c / (1.0 + 0.16 * c * c));
+  vec3 shown = sRGBTransferOETF(vec4(c / (1.0 + 0.16 * c * c), 1.0)).rgb;
 #ifdef SHADOWS
   // Inside a sleeve all light is held off, and hems there would be black.
   shown *= 1.0 - (front ? 1.0 : 0.6) * shadow(smoothed, own);

@@ -1,6 +1,6 @@
 // The materials of one role. They outlive its meshes, as a program is compiled anew when its last material goes.
 
-import { DoubleSide, GLSL3, RawShaderMaterial, Vector3 } from "three";
+import { DoubleSide, GLSL3, ShaderMaterial, Vector3 } from "three";
 import type { IUniform } from "three";
 import type { Role } from "../../server/protocol";
 import { CLOTH_FRAGMENT, CLOTH_VERTEX } from "./clothShader";
@@ -9,15 +9,15 @@ import { OVERLAYS } from "./colours";
 export class Paint {
   /** What the mesh sets, and what all meshes share. */
   readonly uniforms: Record<string, IUniform>;
-  readonly solid: RawShaderMaterial;
+  readonly solid: ShaderMaterial;
   /** The same with shadows, for pictures at rest: their code would slow moving ones. */
-  readonly shaded: RawShaderMaterial;
+  readonly shaded: ShaderMaterial;
   /** Wires over another mesh. */
-  readonly overlay: RawShaderMaterial;
+  readonly overlay: ShaderMaterial;
   /** Numbers of faces in place of colours. */
-  readonly pick: RawShaderMaterial;
+  readonly pick: ShaderMaterial;
   /** Depth alone, as the light sees it. */
-  readonly depth: RawShaderMaterial;
+  readonly depth: ShaderMaterial;
 
   constructor(role: Role, shared: Record<string, IUniform>) {
     this.uniforms = { ...shared, ...ownUniforms(role) };
@@ -64,8 +64,8 @@ function ownUniforms(role: Role): Record<string, IUniform> {
   };
 }
 
-function cloth(parameters: ConstructorParameters<typeof RawShaderMaterial>[0]): RawShaderMaterial {
-  return new RawShaderMaterial({
+function cloth(parameters: ConstructorParameters<typeof ShaderMaterial>[0]): ShaderMaterial {
+  return new ShaderMaterial({
     vertexShader: CLOTH_VERTEX,
     fragmentShader: CLOTH_FRAGMENT,
     glslVersion: GLSL3,
