@@ -336,6 +336,8 @@ export class Stage {
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
       if (last && drawn.length > 1) cloth.lines.hide();
       else cloth.lines.show(eye, { flat, hasSets: this.uniforms.uEdgeSets.value, over });
+      // Lines are seen where the surface beside them rises towards the eye.
+      cloth.solid.material.polygonOffset = cloth.lines.isSeen;
     }
     if (this.body) {
       this.body.object.visible = this.#hasBody && !flat;

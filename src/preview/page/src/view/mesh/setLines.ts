@@ -81,6 +81,11 @@ export class SetLines {
     this.object.visible = false;
   }
 
+  get isSeen(): boolean {
+    const seen = (lines: Lines) => lines.visible && lines.material.visible;
+    return this.object.visible && Object.values(this.#ways).some((way) => way.visible && (seen(way.plain) || seen(way.hot)));
+  }
+
   show(eye: Eye, { flat, hasSets, over }: LineStyle): void {
     const { space, plane } = this.#ways;
     const way = flat ? plane : space;
@@ -88,7 +93,7 @@ export class SetLines {
     this.object.visible = this.#lines.length > 0;
     [space.visible, plane.visible] = [!flat, flat];
     way.plain.material.visible = hasSets;
-    for (const [lines, pixels] of [[way.plain, 2], [way.hot, 3]] as const) {
+    for (const [lines, pixels] of [[way.plain, 2.5], [way.hot, 3.5]] as const) {
       lift(lines, eye, pixels, over);
       lines.renderOrder = over > 0 ? 5 : 1;
     }

@@ -77,7 +77,7 @@ function gridOf(): BufferGeometry {
   const along = steps.flatMap((x) => steps.slice(1).flatMap((y) => [x, y - 1 / SQUARES, 0, x, y, 0]));
   const across = along.map((_, at) => along[[at + 1, at - 1, at][at % 3]]);
   const grid = new BufferGeometry().setAttribute("position", new Float32BufferAttribute([...along, ...across], 3));
-  return faded(grid, (far) => 0.24 * (1 - MathUtils.smoothstep(far, 0.25, 0.95)));
+  return faded(grid, (far) => 0.2 * (1 - MathUtils.smoothstep(far, 0.25, 0.95)));
 }
 
 /** Gives places the opacity that follows from the distance from the middle. */

@@ -23,10 +23,8 @@ export class Paint {
     this.uniforms = { ...shared, ...ownUniforms(role) };
     const level = { ...this.uniforms, uOverlay: { value: false }, uBias: { value: 0 } };
     const over = { ...this.uniforms, uOverlay: { value: true } };
-    // What lies in the surface is seen where that rises towards the eye.
-    const behind = { polygonOffset: true, polygonOffsetFactor: 2 };
-    this.solid = cloth({ uniforms: level, ...behind });
-    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true }, ...behind });
+    this.solid = cloth({ uniforms: level, polygonOffsetFactor: 1 });
+    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true }, polygonOffsetFactor: 1 });
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
     this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
