@@ -334,14 +334,14 @@ export class Stage {
       cloth.solid.renderOrder = last ? 0 : 1 + order;
       const over = last ? 0 : this.uniforms.uBias.value / eye.camera.position.distanceTo(this.centre);
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
-      if (last && drawn.length > 1) cloth.lines.hide();
-      else cloth.lines.show(eye, { flat, hasSets: this.uniforms.uEdgeSets.value, over });
+      cloth.lines.object.visible = !last || drawn.length < 2;
+      const hasLines = cloth.lines.show(eye, { flat, hasSets: this.uniforms.uEdgeSets.value, over });
       // Lines are seen where the surface beside them rises towards the eye.
-      cloth.solid.material.polygonOffset = cloth.lines.isSeen;
+      cloth.solid.material.polygonOffset = hasLines && cloth.lines.object.visible;
     }
     if (this.body) {
       this.body.object.visible = this.#hasBody && !flat;
-      this.body.lines.hide();
+      this.body.lines.object.visible = false;
     }
     this.markersOf(!flat).show(null);
     this.markersOf(flat).show(drawn);

@@ -77,26 +77,19 @@ export class SetLines {
     this.#ways.space.isStale = true;
   }
 
-  hide(): void {
-    this.object.visible = false;
-  }
 
-  get isSeen(): boolean {
-    const seen = (lines: Lines) => lines.visible && lines.material.visible;
-    return this.object.visible && Object.values(this.#ways).some((way) => way.visible && (seen(way.plain) || seen(way.hot)));
-  }
-
-  show(eye: Eye, { flat, hasSets, over }: LineStyle): void {
+  /** Returns whether there is a line. */
+  show(eye: Eye, { flat, hasSets, over }: LineStyle): boolean {
     const { space, plane } = this.#ways;
     const way = flat ? plane : space;
     if (way.isStale) this.#fill(way, flat);
-    this.object.visible = this.#lines.length > 0;
     [space.visible, plane.visible] = [!flat, flat];
     way.plain.material.visible = hasSets;
     for (const [lines, pixels] of [[way.plain, 2.5], [way.hot, 3.5]] as const) {
       lift(lines, eye, pixels, over);
       lines.renderOrder = over > 0 ? 5 : 1;
     }
+    return (hasSets && way.plain.visible) || way.hot.visible;
   }
 
   #fill(way: Way, flat: boolean): void {
