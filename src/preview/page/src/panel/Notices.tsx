@@ -25,15 +25,9 @@ export function Banners() {
           </span>
         </p>
       )}
-      {file.map((fault) => (
-        <Banner fault={fault} end="The last good garment stays." />
-      ))}
-      {presets.map((fault) => (
-        <Banner fault={fault} end="The last good presets stay, and none is saved." />
-      ))}
-      {elsewhere.map((fault) => (
-        <Banner fault={fault} end="" />
-      ))}
+      {file.map((fault) => <Banner fault={fault} end="The last good garment stays." />)}
+      {presets.map((fault) => <Banner fault={fault} end="The last good presets stay, and none is saved." />)}
+      {elsewhere.map((fault) => <Banner fault={fault} end="" />)}
     </div>
   );
 }
@@ -105,9 +99,7 @@ export function Toasts() {
               <p>{text}</p>
               {code && <code>{code}</code>}
             </div>
-            {action && (
-              <Button class="is-small" act={() => (store.dismiss(id), action.act())}>{action.label}</Button>
-            )}
+            {action && <Button class="is-small" act={() => (store.dismiss(id), action.act())}>{action.label}</Button>}
             <IconButton label="Dismiss" icon="close" class="is-small" act={() => store.dismiss(id)} />
           </div>
         ))}

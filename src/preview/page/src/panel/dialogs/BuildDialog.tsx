@@ -58,9 +58,7 @@ function Dialog({ input }: { input: string | null }) {
         </div>
         <p class="save-note" role="status" data-testid="build-state">{own && words(own)}</p>
         <footer>
-          {own?.status === "built" && (
-            <Button act={() => copyText(store, own.output)}>Copy the path</Button>
-          )}
+          {own?.status === "built" && <Button act={() => copyText(store, own.output)}>Copy the path</Button>}
           <Button act={() => dialog.current?.close()}>Close</Button>
           <button
             type="submit"

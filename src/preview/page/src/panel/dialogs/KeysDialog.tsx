@@ -24,9 +24,7 @@ function Dialog() {
         {KEYS.map(([keys, meaning]) => (
           <div key={keys}>
             <dt>
-              {keys.split(" ").map((key) => (
-                <kbd>{key}</kbd>
-              ))}
+              {keys.split(" ").map((key) => <kbd>{key}</kbd>)}
             </dt>
             <dd>{meaning}</dd>
           </div>

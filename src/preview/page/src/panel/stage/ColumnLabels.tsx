@@ -59,9 +59,7 @@ function Label({ role, isFlat, isSmall }: { role: Role; isFlat: boolean; isSmall
         name
       )}
       {isFlat && <small>flat</small>}
-      {isMore && (
-        <small title="Refinements for display are not written">+{shown - written} for display</small>
-      )}
+      {isMore && <small title="Refinements for display are not written">+{shown - written} for display</small>}
       {standing.is === "building" && <em>building</em>}
       {standing.is === "stale" && <em title={standing.why}>stale: {standing.why}</em>}
     </span>

@@ -23,9 +23,7 @@ export function FlatNotes() {
           {placed(column.panels, column, wordsOf).map(({ name, text, x, y, width }) => (
             <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, width: `${width}px` }}>{text}</span>
           ))}
-          {column.unit > 0 && column.width >= LEAST_COLUMN && (
-            <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />
-          )}
+          {column.unit > 0 && column.width >= LEAST_COLUMN && <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />}
         </div>
       ))}
     </>

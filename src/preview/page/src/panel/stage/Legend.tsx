@@ -83,9 +83,7 @@ function HeatLegend() {
   const wanted = useSelect(({ settings }) => settings.values);
   if (shading !== "values") return null;
   if (!heat || heat.name !== wanted) {
-    return (
-      <p class="legend" role="status">The heat is being made</p>
-    );
+    return <p class="legend" role="status">The heat is being made</p>;
   }
   const scale = scaleOf(heat);
   const choice = [...QUALITIES, ...paintedChoices(garment)].find(({ name }) => name === heat.name);
@@ -101,9 +99,7 @@ function HeatLegend() {
         <span>{at(0.5)}</span>
         <span>{at(1)}</span>
       </div>
-      {isQuality(heat) && (
-        <Button class="is-small" act={() => flyToWorst(store)}>Fly to the worst</Button>
-      )}
+      {isQuality(heat) && <Button class="is-small" act={() => flyToWorst(store)}>Fly to the worst</Button>}
     </figure>
   );
 }
@@ -121,9 +117,7 @@ function Histogram() {
   const most = Math.max(1, ...counts);
   return (
     <svg class="legend-histogram" viewBox={`0 0 ${PARTS} 1`} preserveAspectRatio="none" role="img" aria-label="Histogram">
-      {counts.map((count, i) => (
-        <rect key={i} x={i} y={1 - count / most} width={0.9} height={count / most} data-count={count} />
-      ))}
+      {counts.map((count, i) => <rect key={i} x={i} y={1 - count / most} width={0.9} height={count / most} data-count={count} />)}
     </svg>
   );
 }

@@ -66,9 +66,7 @@ function Popover() {
         </span>
       </header>
       {sets.length === 0 && <p class="pick-none">In no set</p>}
-      {sets.map((set) => (
-        <PickRow key={`${set.kind} ${set.name}`} set={set} close={close} />
-      ))}
+      {sets.map((set) => <PickRow key={`${set.kind} ${set.name}`} set={set} close={close} />)}
     </div>
   );
 }
@@ -101,9 +99,7 @@ function PickRow({ set, close }: { set: PickedSet; close(): void }) {
         <small>{set.kind === "edge" ? "edge set" : "face set"}</small>
       </span>
       {set.kind === "face" && <IsolateButton label={`Show ${set.name} alone`} what={set.name} />}
-      {users.map((user) => (
-        <Button class="is-small" act={act(() => reveal(store, user.full))}>{goTo(user)}</Button>
-      ))}
+      {users.map((user) => <Button class="is-small" act={act(() => reveal(store, user.full))}>{goTo(user)}</Button>)}
       {users.length === 0 && (
         <Button class="is-small" disabled={!isLive} act={act(() => addOperator(store, kind, set.name))}>{newOf(kind)}</Button>
       )}

@@ -168,7 +168,5 @@ function CloseButton() {
     store.update({ isSelecting: false });
     store.selector.clear();
   };
-  return (
-    <IconButton label="Select nothing" icon="close" hint="Select nothing (Esc)" class="is-small" act={close} />
-  );
+  return <IconButton label="Select nothing" icon="close" hint="Select nothing (Esc)" class="is-small" act={close} />;
 }

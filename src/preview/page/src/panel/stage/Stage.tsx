@@ -49,9 +49,7 @@ export function Stage() {
       <ScrubBar />
       <Toasts />
       <IsolatedNote />
-      {comparing && (
-        <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>
-      )}
+      {comparing && <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>}
     </main>
   );
 }

@@ -76,9 +76,7 @@ function FixButton({ finding }: { finding: Finding }) {
   if (cure.length === 0) return null;
   const unit = lengthUnit(garment);
   const words = cure.map(({ key, value }) => `${key.split(".")[2]} ${rounded(inUnit(Number(value), unit))} ${unit.word}`);
-  return (
-    <Button class="is-small" hint={words.join(", ")} disabled={!isLive} act={() => store.setAll(cure)}>Fix it</Button>
-  );
+  return <Button class="is-small" hint={words.join(", ")} disabled={!isLive} act={() => store.setAll(cure)}>Fix it</Button>;
 }
 
 function canShow({ elements, names }: Finding): boolean {
