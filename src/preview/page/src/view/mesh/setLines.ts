@@ -2,6 +2,7 @@
 
 import { Color, Group } from "three";
 import { ACCENT, setColour } from "../shade/colours";
+import type { Rgb } from "../shade/colours";
 import { HIGHLIGHTED } from "../shade/classes";
 import { lift, lineMaterial, Lines, type Eye } from "./lines";
 import type { ElementSet } from "./sets";
@@ -33,11 +34,15 @@ type Line = [corner: number, next: number, edgeClass: number];
 const PLAIN = lineMaterial({ linewidth: 2.5, vertexColors: true });
 const HOT = lineMaterial({ linewidth: 4, color: new Color(...ACCENT) });
 
-/** The lines in one of the ways in which the mesh is seen. They are made once they are drawn. */
+/** Lines of one look in one of the ways in which the mesh is seen. They are made once they are drawn. */
+class SetLine extends Lines {
+  stale: "points" | "all" | null = null;
+}
+
+/** In space, or on the UV plane. */
 class Way extends Group {
-  isStale = true;
-  readonly plain = new Lines(PLAIN);
-  readonly hot = new Lines(HOT);
+  readonly plain = new SetLine(PLAIN);
+  readonly hot = new SetLine(HOT);
 
   constructor() {
     super();
@@ -47,78 +52,80 @@ class Way extends Group {
 
 export class SetLines {
   readonly object = new Group();
-  readonly #ways = { space: new Way(), plane: new Way() };
+  readonly #space = new Way();
+  readonly #plane = new Way();
   #lines: Line[] = [];
-  #hot = -1;
+  #hotClass = -1;
+  #plain: Line[] = [];
+  #hot: Line[] = [];
 
   constructor(private readonly source: Source) {
-    this.object.add(...Object.values(this.#ways));
+    this.object.add(this.#space, this.#plane);
   }
 
   /** Takes the edges of which the class is that of a set. */
   set(classes: Uint8Array): void {
     this.#lines = linesOf(this.source, classes);
-    this.#renew();
+    this.#sort();
   }
 
-  /** Thickens the edges of a class. */
+  /** Thickens the edges of a class, too. */
   setHot(edgeClass: number): void {
-    if (edgeClass === this.#hot) return;
-    this.#hot = edgeClass;
-    this.#renew();
+    if (edgeClass === this.#hotClass) return;
+    this.#hotClass = edgeClass;
+    this.#sort();
   }
 
-  #renew(): void {
-    for (const way of Object.values(this.#ways)) way.isStale = true;
+  #sort(): void {
+    const isHot = ([, , each]: Line) => each === HIGHLIGHTED || each === this.#hotClass;
+    this.#plain = this.#lines.filter((line) => !isHot(line));
+    this.#hot = this.#lines.filter(isHot);
+    for (const { plain, hot } of [this.#space, this.#plane]) plain.stale = hot.stale = "all";
   }
 
   /** The points of the mesh have moved. */
   follow(): void {
-    this.#ways.space.isStale = true;
+    for (const lines of [this.#space.plain, this.#space.hot]) lines.stale ??= "points";
   }
-
 
   /** Returns whether there is a line. */
   show(eye: Eye, { flat, hasSets, over }: LineStyle): boolean {
-    const { space, plane } = this.#ways;
-    const way = flat ? plane : space;
-    if (way.isStale) this.#fill(way, flat);
-    [space.visible, plane.visible] = [!flat, flat];
-    way.plain.material.visible = hasSets;
-    for (const [lines, pixels] of [[way.plain, 2.5], [way.hot, 3.5]] as const) {
+    [this.#space.visible, this.#plane.visible] = [!flat, flat];
+    const { plain, hot } = flat ? this.#plane : this.#space;
+    PLAIN.visible = hasSets;
+    for (const [lines, all, pixels] of [[plain, this.#plain, 2.5], [hot, this.#hot, 3.5]] as const) {
+      if (lines.stale && (hasSets || lines === hot)) this.#fill(lines, all, flat);
       lift(lines, eye, pixels, over);
       lines.renderOrder = over > 0 ? 5 : 1;
     }
-    return (hasSets && way.plain.visible) || way.hot.visible;
+    return (hasSets && plain.visible) || hot.visible;
   }
 
-  #fill(way: Way, flat: boolean): void {
-    way.isStale = false;
-    const isHot = ([, , edgeClass]: Line) => edgeClass === HIGHLIGHTED || edgeClass === this.#hot;
-    const plain = this.#lines.filter((line) => !isHot(line));
-    way.plain.set(this.#ends(plain, flat), this.#colours(plain));
-    way.hot.set(this.#ends(this.#lines.filter(isHot), flat));
+  #fill(lines: SetLine, all: Line[], flat: boolean): void {
+    const hasColours = lines.stale === "all" && lines.material === PLAIN;
+    lines.set(this.#ends(all, flat), hasColours ? this.#colours(all) : undefined);
+    lines.stale = null;
   }
 
   #ends(lines: Line[], flat: boolean): Float32Array {
     const { faces, points, uvs } = this.source;
     const ends = new Float32Array(6 * lines.length);
-    lines.forEach(([corner, next], at) =>
-      [corner, next].forEach((each, end) => {
-        const from = flat ? 2 * each : 4 * faces.corners[each];
-        ends.set((flat ? uvs : points).subarray(from, from + (flat ? 2 : 3)), 6 * at + 3 * end);
-      }),
-    );
+    const put = (corner: number, at: number) => {
+      const from = flat ? 2 * corner : 4 * faces.corners[corner];
+      ends.set((flat ? uvs : points).subarray(from, from + (flat ? 2 : 3)), at);
+    };
+    lines.forEach(([corner, next], at) => (put(corner, 6 * at), put(next, 6 * at + 3)));
     return ends;
   }
 
   #colours(lines: Line[]): Float32Array {
     const byClass = new Map(this.source.sets.map(({ name, edgeClass }) => [edgeClass, setColour(name)]));
-    return Float32Array.from(lines.flatMap(([, , edgeClass]) => [0, 1].flatMap(() => byClass.get(edgeClass) ?? ACCENT)));
+    const ends = (colour: Rgb) => [...colour, ...colour];
+    return Float32Array.from(lines.flatMap(([, , edgeClass]) => ends(byClass.get(edgeClass) ?? ACCENT)));
   }
 
   dispose(): void {
-    for (const { plain, hot } of Object.values(this.#ways)) [plain, hot].forEach(({ geometry }) => geometry.dispose());
+    for (const { plain, hot } of [this.#space, this.#plane]) [plain, hot].forEach(({ geometry }) => geometry.dispose());
   }
 }
 
