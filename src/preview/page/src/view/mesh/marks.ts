@@ -30,6 +30,8 @@ export const THROUGH = 1;
 export const FAINT = 0.12;
 const DOT = 14;
 const RIM: Rgb = [0.08, 0.08, 0.08];
+/** White, with a dark rim. */
+const DISC = disc();
 
 export class Marks {
   readonly object = new Group();
@@ -78,7 +80,7 @@ class Layer extends Group {
     this.#fill = new Mesh(new BufferGeometry(), fill);
     this.#rims = new Lines(lineMaterial({ ...shared, opacity: 0.55 * opacity, linewidth: width + 2.4, color: new Color(...RIM) }));
     this.#lines = new Lines(lineMaterial({ ...shared, opacity, linewidth: width }));
-    this.dots = new Points(new BufferGeometry(), new PointsMaterial({ ...shared, opacity, map: dot(), sizeAttenuation: false }));
+    this.dots = new Points(new BufferGeometry(), new PointsMaterial({ ...shared, opacity, map: DISC, sizeAttenuation: false }));
     for (const each of [this.#fill, this.dots]) each.frustumCulled = false;
     this.add(this.#fill, this.#rims, this.#lines, this.dots);
   }
@@ -101,8 +103,7 @@ function place(object: Mesh | Points, places: number[]): void {
   object.visible = places.length > 0;
 }
 
-/** A white disc with a dark rim. */
-function dot(): Texture {
+function disc(): Texture {
   const side = 4 * DOT;
   const canvas = new OffscreenCanvas(side, side);
   const context = canvas.getContext("2d") as OffscreenCanvasRenderingContext2D;

@@ -34,6 +34,7 @@ export class Chosen {
   /** Takes a fabric for meshes of this unit. `then` is called when an image has arrived, to take it again. */
   set(fabric: Fabric, metersPerUnit: number, then: () => void): void {
     const { colour, roughness, weave, image, relief, size = IMAGE_SIZE } = fabric;
+    this.#drop([image, relief, weave]);
     const { uniforms } = this;
     const units = (metres: number) => metres / Math.max(metersPerUnit, 1e-9);
     uniforms.uOwnColour.value = colour === null && !image;
@@ -44,6 +45,14 @@ export class Chosen {
     uniforms.uHasHeights.value = !relief;
     uniforms.uReliefSize.value = units(relief ? size : sizeOfWeave(weave));
     uniforms.uRelief.value = relief ? this.#loaded(relief, then) : this.#woven(weave);
+  }
+
+  #drop(used: (string | null | undefined)[]): void {
+    for (const [key, map] of this.#maps) {
+      if (used.includes(key)) continue;
+      map.dispose();
+      this.#maps.delete(key);
+    }
   }
 
   #woven(weave: Weave): Texture | null {
