@@ -6,7 +6,7 @@ import { test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
 import { assertClean, open, show } from "./support/browser.mjs";
 import { sheetFile } from "./support/garments.mjs";
-import { decode, differing, rgb } from "./support/png.mjs";
+import { decode, differing, encode, rgb } from "./support/png.mjs";
 import { example, Server } from "./support/server.mjs";
 
 /** A square cloth with a narrow groove aslant, and a small square 0.2 off its front. Points from 4 on are the groove's, from
@@ -259,6 +259,70 @@ test("cloth has the model's own colour, or one that is chosen and kept, with a w
   await page.reload();
   await preview.isDrawn(["model"]);
   assert.equal(await preview.state(({ settings }) => settings.fabric.colour), "#7d2f3a");
+  assertClean(preview);
+});
+
+/** A square of 10 cm with UVs that it fills. */
+function square(test) {
+  return sheetFile(
+    test,
+    `    def Mesh "model"
+    {
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "faceVarying")
+        uniform token subdivisionScheme = "none"
+    }`,
+  );
+}
+
+test("a fabric takes an image and a normal map of a size on the cloth, and the browser keeps them", async (t) => {
+  const preview = await show(t, square(t), { ready: false });
+  const { page } = preview;
+  await preview.isDrawn(["model"]);
+  await preview.settings({ ...MODEL, shadows: false });
+  await page.keyboard.press("4");
+  await preview.isStill();
+  const [low, high] = await places(preview, [0, 2]);
+  /** Red against blue along the cloth, a little above its middle. */
+  const warmth = (image, share) => {
+    const [red, , blue] = rgb(image, Math.round(low.x + share * (high.x - low.x)), Math.round(low.y + 0.6 * (high.y - low.y)));
+    return red - blue;
+  };
+  const sides = (image) => [1 / 8, 3 / 8, 5 / 8, 7 / 8].map((share) => Math.sign(warmth(image, share))).join();
+  await page.getByRole("button", { name: "Fabric", exact: true }).click();
+  assert.equal(await page.getByLabel("Size of the image, number").count(), 0, "no image has no size");
+  const give = (label, colourAt) =>
+    page.getByLabel(label).setInputFiles({ name: "fabric.png", mimeType: "image/png", buffer: encode(64, 64, colourAt) });
+  const is = (image) => preview.when((image) => Boolean(preview.store.state.settings.fabric[image]), image);
+  await give("File of the image", (x) => (x < 32 ? [220, 40, 40] : [40, 40, 220]));
+  await is("image");
+  await preview.quiet();
+  const whole = await preview.picture();
+  assert.equal(sides(whole), "1,1,-1,-1", "10 cm by default");
+  const size = page.getByLabel("Size of the image, number");
+  await size.fill("50 mm");
+  await size.press("Enter");
+  const halves = await preview.picture();
+  assert.equal(sides(halves), "1,-1,1,-1", "5 cm");
+  await give("File of the normal map", () => [220, 128, 200]);
+  await is("relief");
+  await preview.quiet();
+  const bent = await preview.picture();
+  assert.ok(differing(halves, bent) > 0.05, "normals that lean are lit otherwise");
+  assert.equal(await page.getByRole("radiogroup", { name: "Weave" }).count(), 0, "the map is in place of the weave");
+  await page.reload();
+  await preview.isDrawn(["model"]);
+  await page.keyboard.press("4");
+  await preview.quiet();
+  assert.ok(differing(bent, await preview.picture()) < 0.01, "the browser keeps all of it");
+  await page.getByRole("button", { name: "Fabric", exact: true }).click();
+  await page.getByRole("button", { name: "Remove the normal map" }).click();
+  await page.getByRole("button", { name: "Wine" }).click();
+  assert.equal(sides(await preview.picture()), "1,1,1,1", "a colour replaces the image");
+  await page.getByLabel("File of the image").setInputFiles({ name: "notes.txt", mimeType: "text/plain", buffer: Buffer.from("no image") });
+  await page.getByText("notes.txt is no image").waitFor();
   assertClean(preview);
 });
 

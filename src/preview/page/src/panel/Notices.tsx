@@ -1,6 +1,7 @@
 // Banners above the view, toasts, and words for screen readers.
 
 import type { Fault } from "../server/protocol";
+import { Button, IconButton } from "./controls/controls";
 import { useSelect, useStore } from "./controls/hooks";
 import { copyText } from "./dialogs/clipboard";
 import { Icon } from "./controls/icons";
@@ -24,15 +25,9 @@ export function Banners() {
           </span>
         </p>
       )}
-      {file.map((fault) => (
-        <Banner fault={fault} end="The last good garment stays." />
-      ))}
-      {presets.map((fault) => (
-        <Banner fault={fault} end="The last good presets stay, and none is saved." />
-      ))}
-      {elsewhere.map((fault) => (
-        <Banner fault={fault} end="" />
-      ))}
+      {file.map((fault) => <Banner fault={fault} end="The last good garment stays." />)}
+      {presets.map((fault) => <Banner fault={fault} end="The last good presets stay, and none is saved." />)}
+      {elsewhere.map((fault) => <Banner fault={fault} end="" />)}
     </div>
   );
 }
@@ -50,9 +45,7 @@ function Lost() {
         {unsaved && " It offers the unsaved edits again."}
       </span>
       {unsaved && (
-        <button type="button" class="button is-small" title="As the text of a .tailor file, for --recipe" onClick={copy}>
-          Copy the unsaved edits
-        </button>
+        <Button class="is-small" hint="As the text of a .tailor file, for --recipe" act={copy}>Copy the unsaved edits</Button>
       )}
     </p>
   );
@@ -73,12 +66,8 @@ function Kept() {
         Edits of {time} were not saved.
         {!kept.isCurrent && " The options of the garment have changed since."}
       </span>
-      <button type="button" class="button is-small" onClick={() => answer(true)}>
-        Restore
-      </button>
-      <button type="button" class="button is-small" onClick={() => answer(false)}>
-        Discard
-      </button>
+      <Button class="is-small" act={() => answer(true)}>Restore</Button>
+      <Button class="is-small" act={() => answer(false)}>Discard</Button>
     </p>
   );
 }
@@ -110,20 +99,12 @@ export function Toasts() {
               <p>{text}</p>
               {code && <code>{code}</code>}
             </div>
-            {action && (
-              <button type="button" class="button is-small" onClick={() => (store.dismiss(id), action.act())}>
-                {action.label}
-              </button>
-            )}
-            <button type="button" class="icon-button is-small" aria-label="Dismiss" onClick={() => store.dismiss(id)}>
-              <Icon name="close" />
-            </button>
+            {action && <Button class="is-small" act={() => (store.dismiss(id), action.act())}>{action.label}</Button>}
+            <IconButton label="Dismiss" icon="close" class="is-small" act={() => store.dismiss(id)} />
           </div>
         ))}
       </div>
-      <div class="hidden" aria-live="assertive">
-        {spoken}
-      </div>
+      <div class="hidden" aria-live="assertive">{spoken}</div>
     </>
   );
 }

@@ -1,7 +1,7 @@
 import { useRef } from "preact/hooks";
 import { openBuild } from "../state/build";
 import type { Before, VariantSet } from "../server/protocol";
-import { IconButton, Select } from "./controls/controls";
+import { Button, IconButton, Select } from "./controls/controls";
 import { useLive, useSelect, useStore } from "./controls/hooks";
 import { Icon } from "./controls/icons";
 
@@ -50,34 +50,23 @@ export function TopBar() {
           <Variant key={variants.prim + variants.set} variants={variants} disabled={!isLive} />
         ))}
       </div>
-      <span class={`unsaved ${unsaved ? "" : "is-hidden"}`} aria-live="polite">
-        {unsaved ? "Not saved" : ""}
-      </span>
+      <span class={`unsaved ${unsaved ? "" : "is-hidden"}`} aria-live="polite">{unsaved ? "Not saved" : ""}</span>
       <IconButton label="Keys" icon="keys" hint="Keys (?)" act={() => store.update({ dialog: "keys" })} />
       <IconButton
         label={theme === "dark" ? "Light theme" : "Dark theme"}
         icon={theme === "dark" ? "sun" : "moon"}
         act={() => store.settings({ theme: theme === "dark" ? "light" : "dark" })}
       />
-      <button
-        type="button"
-        class="button"
-        title="Build what is saved (Ctrl+B)"
+      <Button hint="Build what is saved (Ctrl+B)" disabled={!isLive || !garment} act={() => openBuild(store)}>Build</Button>
+      <Button
+        class="is-main"
+        hint="Save (Ctrl+S)"
         disabled={!isLive || !garment}
-        onClick={() => openBuild(store)}
-      >
-        Build
-      </button>
-      <button
-        type="button"
-        class="button is-main"
-        title="Save (Ctrl+S)"
-        disabled={!isLive || !garment}
-        onClick={() => store.update({ dialog: "save", save: null })}
+        act={() => store.update({ dialog: "save", save: null })}
       >
         <Icon name="save" />
         Save
-      </button>
+      </Button>
     </header>
   );
 }

@@ -70,7 +70,7 @@ export function saveSettings(changed: Partial<Settings>): void {
   try {
     localStorage.setItem(KEY, JSON.stringify({ ...read(), ...changed }));
   } catch {
-    // Private windows refuse storage; the choice then lasts as long as the page.
+    // Private windows refuse storage, and images may not fit; the choice then lasts as long as the page.
   }
 }
 

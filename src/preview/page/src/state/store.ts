@@ -186,8 +186,10 @@ export class Store {
   #wanted(): PageMessage {
     const { settings } = this.state;
     const { smooth, shading, fabric, flat, values } = settings;
-    const hasImages = fabric.colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);
-    const needsUvs = shading === "checker" || flat || (shading === "cloth" && (hasImages || fabric.weave !== "none"));
+    const { image, relief, colour, weave } = fabric;
+    const hasImages = colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);
+    const hasFabric = Boolean(hasImages || image || relief || weave !== "none");
+    const needsUvs = shading === "checker" || flat || (shading === "cloth" && hasFabric);
     return {
       type: "view",
       roles: [...ROLES, "body" as const].filter((role) => isHeld(role, settings)),

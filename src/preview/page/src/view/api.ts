@@ -17,6 +17,12 @@ export type Weave = "none" | "plain" | "twill" | "knit";
 export interface Fabric {
   /** As `#rrggbb`; null is the model's own. */
   colour: string | null;
+  /** In place of the colour, as a data URL. */
+  image?: string | null;
+  /** A normal map in place of the weave, as a data URL. */
+  relief?: string | null;
+  /** Edge of both images on the cloth. [m] */
+  size?: number;
   /** From 0 to 1; null is the model's own. */
   roughness: number | null;
   weave: Weave;

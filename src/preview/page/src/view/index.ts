@@ -74,7 +74,7 @@ class CanvasView implements View {
     private options: ViewOptions,
     private readonly events: ViewEvents,
   ) {
-    this.#stage = new Stage(canvas);
+    this.#stage = new Stage(canvas, () => this.#invalidate());
     this.#stage.setOptions(options);
     this.#markers = new Markers(this.#stage);
     this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
@@ -161,7 +161,7 @@ class CanvasView implements View {
     this.#points = points;
     placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
-    this.#stage.setLooks(this.#looks, () => this.#invalidate());
+    this.#stage.setLooks(this.#looks);
     for (const cloth of this.#stage.all) cloth.recolour();
     this.#invalidate();
   }
@@ -316,7 +316,7 @@ class CanvasView implements View {
     const cloth = this.#stage.cloths.get(role);
     if (!cloth) return null;
     const { pointCount, faceCount, box } = cloth;
-    return { points: pointCount, faces: faceCount, checksum: checksum(cloth.points), least: [...box.least] };
+    return { points: pointCount, faces: faceCount, checksum: checksum(cloth.points), least: box.min.toArray() };
   }
 
   samples(): number {

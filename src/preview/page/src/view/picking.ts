@@ -1,6 +1,6 @@
 // What is under the pointer: faces by drawing their numbers into a few pixels, the edge by distance on the screen.
 
-import { Plane, Raycaster, Vector2, Vector3, WebGLRenderTarget } from "three";
+import { Line3, Plane, Raycaster, Vector2, Vector3, WebGLRenderTarget } from "three";
 import type { Camera, WebGLRenderer } from "three";
 import type { Role } from "../server/protocol";
 import type { Picked } from "./api";
@@ -156,7 +156,10 @@ function frontEdge(spot: Spot, cloth: Cloth, edges: Ends[][]): [number, number] 
 
 function edgeNear(spot: Spot, cloth: Cloth, [corner, next]: Ends): NearEdge[] {
   const [a, b] = [corner, next].map((each) => placeOf(cloth, each, spot.flat));
-  const { distance, share } = toSegment(spot.at, onCanvas(spot, a), onCanvas(spot, b));
+  const segment = new Line3(onCanvas(spot, a), onCanvas(spot, b));
+  const pointer = new Vector3(spot.at.x, spot.at.y, 0);
+  const share = segment.closestPointToPointParameter(pointer, true);
+  const distance = segment.at(share, new Vector3()).distanceTo(pointer);
   const ends: Ends = [cloth.faces.corners[corner], cloth.faces.corners[next]];
   return distance < REACH ? [{ ends, distance, depth: depthOf(spot, a.lerp(b, share)) }] : [];
 }
@@ -168,8 +171,9 @@ function depthOf({ camera, column }: Spot, place: Vector3): number {
   return (depth * column.height) / breadth;
 }
 
-function onCanvas(spot: Spot, place: Vector3): Place {
-  return toCanvas(place.clone().project(spot.camera), spot.column);
+function onCanvas(spot: Spot, place: Vector3): Vector3 {
+  const { x, y } = toCanvas(place.clone().project(spot.camera), spot.column);
+  return new Vector3(x, y, 0);
 }
 
 export function placeOf(cloth: Cloth, corner: number, flat: boolean): Vector3 {
@@ -184,14 +188,6 @@ export function toCanvas(p: Vector3, column: Column): Place {
 
 export function toDevice(at: Place, column: Column): Vector2 {
   return new Vector2(((at.x - column.x) / column.width) * 2 - 1, 1 - ((at.y - column.y) / column.height) * 2);
-}
-
-/** The distance, and how far along the segment the nearest place is. */
-function toSegment(p: Place, a: Place, b: Place): { distance: number; share: number } {
-  const [x, y] = [b.x - a.x, b.y - a.y];
-  const square = x * x + y * y;
-  const t = square > 0 ? Math.min(1, Math.max(0, ((p.x - a.x) * x + (p.y - a.y) * y) / square)) : 0;
-  return { distance: Math.hypot(p.x - a.x - t * x, p.y - a.y - t * y), share: t };
 }
 
 /** The place on a face under the pointer. */

@@ -1,6 +1,6 @@
 // What is written on flat panels: their names, and how long things are.
 
-import { Vector3 } from "three";
+import { Box2, Vector2, Vector3 } from "three";
 import type { Plan, PlanColumn } from "./api";
 import type { Rig } from "./camera/rig";
 import type { Column } from "./layout";
@@ -17,9 +17,8 @@ interface Panel {
   name: string;
   /** One of its faces, as drawn. */
   face: number;
-  /** Its lower and its upper corner on the UV plane. */
-  low: [number, number];
-  high: [number, number];
+  /** On the UV plane. */
+  box: Box2;
 }
 
 /** Remembers the panels, since the camera moves more often than UVs change. */
@@ -46,9 +45,9 @@ function planOf({ x, y, width, height, ...column }: Column, cloth: Cloth, panels
   rig.place(width / height);
   const onCanvas = (u: number, v: number) => toCanvas(new Vector3(u, v, 0).project(rig.camera), { x, y, width, height, ...column });
   const unit = onCanvas(1, 0).x - onCanvas(0, 0).x;
-  const boxes = panels.map(({ name, low, high }) => {
-    const size = { width: (high[0] - low[0]) * unit, height: (high[1] - low[1]) * unit };
-    return { name, ...onCanvas(low[0], high[1]), ...size };
+  const boxes = panels.map(({ name, box: { min, max } }) => {
+    const size = { width: (max.x - min.x) * unit, height: (max.y - min.y) * unit };
+    return { name, ...onCanvas(min.x, max.y), ...size };
   });
   return { x, y, width, height, panels: boxes, unit: cloth.uvLength > 0 ? unit / cloth.uvLength : 0 };
 }
@@ -59,7 +58,7 @@ function panelsOf(model: Cloth): Panel[] {
   const shells = faceSets.filter(({ name }) => SHELL.test(name));
   const all = shells.length > 0 ? shells : faceSets.filter(({ name }) => name === "uvShells");
   const named = faceSets.filter(({ family }) => family !== "materialBind" && !family.startsWith("tailor"));
-  return all.map((shell) => ({ name: nameOf(shell, named), face: shell.elements[0], ...placeOf(model, shell.elements) }));
+  return all.map((shell) => ({ name: nameOf(shell, named), face: shell.elements[0], box: boxOf(model, shell.elements) }));
 }
 
 /** The smallest face set that covers the panel, or else the number of the UV shell. */
@@ -77,15 +76,10 @@ function nameOf({ name, elements }: ElementSet, named: ElementSet[]): string {
 }
 
 /** How far the corners reach. */
-function placeOf({ faces, uvs }: Cloth, shell: Uint32Array): Pick<Panel, "low" | "high"> {
-  const [low, high]: [number, number][] = [[Infinity, Infinity], [-Infinity, -Infinity]];
+function boxOf({ faces, uvs }: Cloth, shell: Uint32Array): Box2 {
+  const [box, corner] = [new Box2(), new Vector2()];
   for (const face of shell) {
-    for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
-      for (const axis of [0, 1]) {
-        low[axis] = Math.min(low[axis], uvs[2 * corner + axis]);
-        high[axis] = Math.max(high[axis], uvs[2 * corner + axis]);
-      }
-    }
+    for (let at = faces.starts[face]; at < faces.starts[face + 1]; at++) box.expandByPoint(corner.fromArray(uvs, 2 * at));
   }
-  return { low, high };
+  return box;
 }

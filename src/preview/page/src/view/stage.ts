@@ -1,24 +1,25 @@
 // Draws the meshes into their columns.
 
-import { Group, Vector2, Vector3, WebGLRenderer } from "three";
+import { Box3, Camera, Group, LinearSRGBColorSpace, Sphere, Vector3, WebGLRenderer } from "three";
 import type { IUniform, WebGLRenderTarget } from "three";
 import type { LookInfo, Role } from "../server/protocol";
-import type { Fabric, Shading, ViewOptions, Weave } from "./api";
+import type { Fabric, Shading, ViewOptions } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT } from "./shade/colours";
 import { squareOf } from "./shade/checker";
-import { chosen, pitch, WEAVES } from "./shade/fabric";
+import { Chosen } from "./shade/fabric";
 import { aspectOf, ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
 import { Images } from "./shade/images";
+import { setView } from "./mesh/lines";
+import type { Eye } from "./mesh/lines";
 import { MarkerSet } from "./mesh/markerSet";
 import { Paint } from "./shade/paint";
-import type { Box } from "./mesh/points";
+import type { Codes } from "./shade/paint";
 import type { Cameras } from "./camera/cameras";
 import type { SpaceRig } from "./camera/rig";
 import { isSoftware } from "./shade/software";
-import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
 
@@ -62,17 +63,10 @@ export class Stage {
     uEdgeSets: { value: false },
     uShading: { value: 0 },
     uPixel: { value: 1 },
-    uView: { value: new Vector2(1, 1) },
     uSize: { value: 1 },
     uBias: { value: 0 },
     uUp: { value: new Vector3(0, 1, 0) },
     uAccent: { value: new Vector3(...ACCENT) },
-    uHard: { value: false },
-    uOwnColour: { value: true },
-    uColour: { value: new Vector3() },
-    uRoughness: { value: -1 },
-    uWeave: { value: 0 },
-    uPitch: { value: 1 },
   } satisfies Record<string, IUniform>;
   width = 1;
   height = 1;
@@ -84,6 +78,8 @@ export class Stage {
   readonly #paints = new Map<string, Paint>();
   readonly #world = new Group();
   readonly #backdrop = new Backdrop();
+  /** Sees the whole canvas. */
+  readonly #whole = new Camera();
   readonly #half = new Vector3(1, 1, 1);
   readonly #shadows: Shadows;
   #hasShadows = false;
@@ -91,14 +87,20 @@ export class Stage {
   /** A pixel of the canvas has one sample. */
   readonly #isHard: boolean;
   #metersPerUnit = 0.01;
-  #weave: Weave = "none";
+  #fabric: Fabric | null = null;
+  readonly #chosen = new Chosen();
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
+  /** `changed` is called when an image has arrived. */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly changed: () => void,
+  ) {
     // Several samples a pixel take more than twice the time without a graphics card, and the picture at rest has them anyway.
     this.#isHard = isSoftware();
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.#isHard, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
-    this.renderer.info.autoReset = true;
+    // All colours are those of the screen, and cloth encodes its own.
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.#shadows = new Shadows(this.renderer);
     const { ground, square } = this.#backdrop;
     this.#world.add(ground, square, ...[this.inSpace, this.onPlane].flatMap(({ all }) => all.map(({ object }) => object)));
@@ -107,9 +109,9 @@ export class Stage {
 
   paintOf(role: Role, isKept = false): Paint {
     const key = `${role} ${isKept}`;
-    const paint = this.#paints.get(key) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms, uImages: this.images.uniform });
-    paint.setCode("WEAVE", this.#weave !== "none");
-    paint.setCode("IMAGES", this.images.layers.length > 0);
+    const shared = { ...this.uniforms, ...this.#chosen.uniforms, ...this.#shadows.uniforms, uImages: this.images.uniform };
+    const paint = this.#paints.get(key) ?? new Paint(role, shared);
+    paint.setCodes(this.#codes);
     this.#paints.set(key, paint);
     return paint;
   }
@@ -167,14 +169,22 @@ export class Stage {
     this.#backdrop.setTheme(options.theme);
   }
 
+  get #codes(): Codes {
+    return { ...this.#chosen.codes, IMAGES: this.images.layers.length > 0 };
+  }
+
+  #recode(): void {
+    for (const paint of this.#paints.values()) paint.setCodes(this.#codes);
+    this.changed();
+  }
+
   /** Takes the looks of the model's materials; those with images once more when these are there. */
-  setLooks(looks: LookInfo[], then: () => void): void {
+  setLooks(looks: LookInfo[]): void {
     this.#dress(looks);
     void this.images.load(looks).then((isNew) => {
       if (!isNew) return;
-      for (const paint of this.#paints.values()) paint.setCode("IMAGES", this.images.layers.length > 0);
       this.#dress(looks);
-      then();
+      this.#recode();
     });
   }
 
@@ -184,33 +194,23 @@ export class Stage {
 
   setUnit(metersPerUnit: number): void {
     this.#metersPerUnit = metersPerUnit;
-    this.uniforms.uPitch.value = pitch(this.#weave, metersPerUnit);
+    if (this.#fabric) this.#setFabric(this.#fabric);
   }
 
   #setFabric(fabric: Fabric): void {
-    const { uniforms } = this;
-    this.#weave = fabric.weave;
-    uniforms.uOwnColour.value = fabric.colour === null;
-    uniforms.uColour.value.set(...chosen(fabric));
-    uniforms.uRoughness.value = fabric.roughness ?? -1;
-    uniforms.uWeave.value = WEAVES[fabric.weave];
-    for (const paint of this.#paints.values()) paint.setCode("WEAVE", fabric.weave !== "none");
-    this.setUnit(this.#metersPerUnit);
+    this.#fabric = fabric;
+    this.#chosen.set(fabric, this.#metersPerUnit, () => this.#fabric && this.#setFabric(this.#fabric));
+    this.#recode();
   }
 
   /** Takes the bounds of these meshes, and the size of their checker. */
   measure(roles: Role[]): void {
     this.#setSquares();
-    const boxes = roles.map((role) => this.cloths.get(role)?.box).filter((box): box is Box => box !== undefined);
-    if (boxes.length === 0) return;
-    const least = new Vector3().setScalar(Infinity);
-    const most = new Vector3().setScalar(-Infinity);
-    for (const box of boxes) {
-      least.min(new Vector3(...box.least));
-      most.max(new Vector3(...box.most));
-    }
-    this.centre.addVectors(least, most).multiplyScalar(0.5);
-    this.#half.subVectors(most, least).multiplyScalar(0.5);
+    const all = new Box3();
+    for (const role of roles) all.union(this.cloths.get(role)?.box ?? all);
+    if (all.isEmpty()) return;
+    all.getCenter(this.centre);
+    all.getSize(this.#half).multiplyScalar(0.5);
     this.radius = Math.max(this.#half.length(), 1e-6);
     this.uniforms.uSize.value = CAVITY * this.radius;
     this.uniforms.uBias.value = BIAS * this.radius;
@@ -253,11 +253,10 @@ export class Stage {
     const { renderer } = this;
     this.#backdrop.setGround(this.centre, this.#half, cameras.space.up);
     this.uniforms.uPixel.value = sheet.ratio;
-    this.uniforms.uHard.value = sample !== null || this.#isHard;
     this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height, roles: [], flat: false });
     renderer.setClearColor(0, 0);
     renderer.clear();
-    if (!sheet.isClear) renderer.render(this.#backdrop.sky, cameras.space.camera);
+    if (!sheet.isClear) renderer.render(this.#backdrop.sky, this.#whole);
     for (const column of sheet.columns) {
       const caster = sample && this.#hasShadows && !column.flat ? this.solidOf(column) : null;
       if (caster) yield* this.#cast(caster, column, cameras.space, sample as Sample);
@@ -298,12 +297,14 @@ export class Stage {
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    this.#show(column, hasShadows);
-    this.uniforms.uView.value.set(width * ratio, height * ratio);
-    for (const marks of this.markersOf(flat).all) marks.setView(width * ratio, height * ratio, ratio);
-    if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
+    const eye = { camera: rig.camera, width, height };
+    setView(eye);
+    this.#show(column, eye, hasShadows);
+    for (const marks of this.markersOf(flat).all) marks.setEye(eye, ratio / this.renderer.getPixelRatio());
+    if (sample) rig.camera.setViewOffset(width, height, sample.jitter[0] / ratio, sample.jitter[1] / ratio, width, height);
     this.#open(sheet, column);
     this.renderer.render(this.#world, rig.camera);
+    rig.camera.clearViewOffset();
   }
 
   /** The last mesh of a column, which is solid; null while it is not there. */
@@ -313,14 +314,14 @@ export class Stage {
   }
 
   *#cast(cloth: Cloth, column: Column, space: SpaceRig, sample: Sample): Generator<void> {
-    const all = { centre: this.centre, radius: this.radius };
+    const all = new Sphere(this.centre, this.radius);
     space.setBounds(this.centre, this.radius);
     space.place(aspectOf(column));
     yield* this.#shadows.cast(cloth, sample, space.camera, all, space.inView());
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */
-  #show(column: Column, hasShadows: boolean): void {
+  #show(column: Column, eye: Eye, hasShadows: boolean): void {
     const { flat } = column;
     const cloths = this.clothsOf(column);
     const drawn = column.roles.filter((role) => cloths.has(role));
@@ -331,13 +332,16 @@ export class Stage {
       cloth.object.visible = order >= 0 && (!flat || cloth.hasUvs);
       cloth.solid.material = last ? (hasShadows ? cloth.paint.shaded : cloth.paint.solid) : cloth.paint.overlay;
       cloth.solid.renderOrder = last ? 0 : 1 + order;
-      cloth.lines.setOver(!last);
+      const over = last ? 0 : this.uniforms.uBias.value / eye.camera.position.distanceTo(this.centre);
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
-      cloth.lines.setVisible(!last || drawn.length < 2);
+      cloth.lines.object.visible = !last || drawn.length < 2;
+      const hasLines = cloth.lines.show(eye, { flat, hasSets: this.uniforms.uEdgeSets.value, over });
+      // Lines are seen where the surface beside them rises towards the eye.
+      cloth.solid.material.polygonOffset = hasLines && cloth.lines.object.visible;
     }
     if (this.body) {
       this.body.object.visible = this.#hasBody && !flat;
-      this.body.lines.setVisible(false);
+      this.body.lines.object.visible = false;
     }
     this.markersOf(!flat).show(null);
     this.markersOf(flat).show(drawn);

@@ -23,18 +23,20 @@ export interface MenuItem {
   hover?(on: boolean): void;
 }
 
-interface MenuButtonProps {
+interface PopButtonProps {
   label: string;
   hint?: string;
   class?: string;
   disabled?: boolean;
-  /** Words where there is nothing to choose from. */
-  empty?: string;
-  items(): MenuItem[];
+  isMenu?: boolean;
   children: ComponentChildren;
+  content(anchor: Anchor, close: (takesFocus: boolean) => void): ComponentChildren;
 }
 
-export function MenuButton({ label, hint, class: name, disabled, empty, items, children }: MenuButtonProps) {
+type Anchor = { current: HTMLElement | null };
+
+/** A button with something that opens below it, until there is a press elsewhere. */
+export function PopButton({ label, hint, class: name, disabled, isMenu, children, content }: PopButtonProps) {
   const [isOpen, setOpen] = useState(false);
   const wrap = useRef<HTMLSpanElement>(null);
   const button = useRef<HTMLButtonElement>(null);
@@ -42,14 +44,20 @@ export function MenuButton({ label, hint, class: name, disabled, empty, items, c
     setOpen(false);
     if (takesFocus) button.current?.focus();
   };
+  useOutside(wrap, () => close(false));
+  const keys = (event: TargetedKeyboardEvent<HTMLElement>) => {
+    if (event.key !== "Escape" || !isOpen) return;
+    event.stopPropagation();
+    close(true);
+  };
   return (
-    <span class="menu-wrap" ref={wrap}>
+    <span class="menu-wrap" ref={wrap} onKeyDown={keys}>
       <button
         type="button"
         ref={button}
         class={name ?? "icon-button"}
         aria-label={label}
-        aria-haspopup="menu"
+        aria-haspopup={isMenu ? "menu" : undefined}
         aria-expanded={isOpen}
         title={hint ?? label}
         disabled={disabled}
@@ -57,9 +65,31 @@ export function MenuButton({ label, hint, class: name, disabled, empty, items, c
       >
         {children}
       </button>
-      {isOpen && <MenuList label={label} empty={empty} items={items()} anchor={button} wrap={wrap} close={close} />}
+      {isOpen && content(button, close)}
     </span>
   );
+}
+
+/** Shows an element in the top layer below its anchor. */
+export function usePopover(box: Anchor, anchor: Anchor): void {
+  useLayoutEffect(() => {
+    if (!box.current || !anchor.current) return;
+    box.current.showPopover();
+    place(box.current, anchor.current.getBoundingClientRect());
+  }, []);
+}
+
+interface MenuButtonProps extends Omit<PopButtonProps, "content" | "isMenu"> {
+  /** Words where there is nothing to choose from. */
+  empty?: string;
+  items(): MenuItem[];
+}
+
+export function MenuButton({ empty, items, ...button }: MenuButtonProps) {
+  const list = (anchor: Anchor, close: (takesFocus: boolean) => void) => (
+    <MenuList label={button.label} empty={empty} items={items()} anchor={anchor} close={close} />
+  );
+  return <PopButton {...button} isMenu content={list} />;
 }
 
 /** Items from which on a menu has a field to find one. */
@@ -69,12 +99,11 @@ interface MenuListProps {
   label: string;
   empty?: string;
   items: MenuItem[];
-  anchor: { current: HTMLElement | null };
-  wrap: { current: HTMLElement | null };
+  anchor: Anchor;
   close(takesFocus: boolean): void;
 }
 
-function MenuList({ label, empty, items, anchor, wrap, close }: MenuListProps) {
+function MenuList({ label, empty, items, anchor, close }: MenuListProps) {
   const list = useRef<HTMLDivElement>(null);
   const [wish, setWish] = useState("");
   const hovered = useRef<MenuItem | null>(null);
@@ -84,13 +113,9 @@ function MenuList({ label, empty, items, anchor, wrap, close }: MenuListProps) {
     hovered.current = item;
     item?.hover?.(true);
   };
-  useOutside(wrap, () => close(false));
+  usePopover(list, anchor);
   useLayoutEffect(() => {
-    const element = list.current;
-    if (!element || !anchor.current) return;
-    element.showPopover();
-    place(element, anchor.current.getBoundingClientRect());
-    focusable(element)[0]?.focus();
+    if (list.current) focusable(list.current)[0]?.focus();
     return () => hover(null);
   }, []);
   const found = items.filter((item) => item.label.toLowerCase().includes(wish.trim().toLowerCase()));
@@ -129,9 +154,7 @@ function MenuList({ label, empty, items, anchor, wrap, close }: MenuListProps) {
         {found.map((item, i) => (
           <>
             {item.section && item.section !== found[i - 1]?.section && (
-              <div class="menu-section" role="presentation">
-                {item.section}
-              </div>
+              <div class="menu-section" role="presentation">{item.section}</div>
             )}
             <Item item={item} hover={hover} pick={() => (close(true), item.pick())} />
           </>
@@ -175,7 +198,7 @@ function step(list: HTMLElement, by: number): void {
 const MARGIN = 8;
 
 /** Below the anchor, or above it where there is more room, and within the window. */
-export function place(menu: HTMLElement, anchor: DOMRect): void {
+function place(menu: HTMLElement, anchor: DOMRect): void {
   const { width, height } = menu.getBoundingClientRect();
   const isBelow = anchor.bottom + height + MARGIN <= innerHeight || anchor.top < innerHeight - anchor.bottom;
   const top = isBelow ? anchor.bottom + 4 : anchor.top - height - 4;

@@ -55,12 +55,7 @@ export function WordChoice({ label, describedBy, invalid, words, chosen, change 
     <span class="segments is-several" role="group" aria-label={label} aria-describedby={describedBy} aria-invalid={invalid}>
       {words.map((word) => (
         <label key={word}>
-          <input
-            type="checkbox"
-            aria-label={word}
-            checked={chosen.includes(word)}
-            onChange={() => change(toggled(word))}
-          />
+          <input type="checkbox" aria-label={word} checked={chosen.includes(word)} onChange={() => change(toggled(word))} />
           <span>{word}</span>
         </label>
       ))}

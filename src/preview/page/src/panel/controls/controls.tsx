@@ -1,5 +1,6 @@
 // Controls that know nothing of the recipe.
 
+import type { ComponentChildren } from "preact";
 import { useId, useRef } from "preact/hooks";
 import { Icon, type IconName } from "./icons";
 
@@ -70,11 +71,7 @@ interface SelectProps extends Described {
 
 export function Select({ label, describedBy, invalid, value, groups, change }: SelectProps) {
   const options = (choices: SelectProps["groups"][number]["choices"]) =>
-    choices.map((choice) => (
-      <option key={choice.value} value={choice.value}>
-        {choice.label}
-      </option>
-    ));
+    choices.map((choice) => <option key={choice.value} value={choice.value}>{choice.label}</option>);
   const byHand = useRef(false);
   return (
     <span class="select">
@@ -108,19 +105,20 @@ interface ToggleProps {
   change(on: boolean): void;
 }
 
-export function Toggle({ label, icon, on, hint, change }: ToggleProps) {
-  return (
-    <button
-      type="button"
-      class="icon-button"
-      aria-label={label}
-      aria-pressed={on}
-      title={hint ?? label}
-      onClick={() => change(!on)}
-    >
-      <Icon name={icon} />
-    </button>
-  );
+export function Toggle({ on, change, ...button }: ToggleProps) {
+  return <IconButton {...button} pressed={on} act={() => change(!on)} />;
+}
+
+interface ButtonProps {
+  children: ComponentChildren;
+  hint?: string;
+  disabled?: boolean;
+  class?: string;
+  act(): void;
+}
+
+export function Button({ children, hint, disabled, class: name = "", act }: ButtonProps) {
+  return <button type="button" class={`button ${name}`} title={hint} disabled={disabled} onClick={act}>{children}</button>;
 }
 
 interface IconButtonProps {
@@ -129,15 +127,17 @@ interface IconButtonProps {
   hint?: string;
   disabled?: boolean;
   class?: string;
+  pressed?: boolean;
   act(): void;
 }
 
-export function IconButton({ label, icon, hint, disabled, class: name, act }: IconButtonProps) {
+export function IconButton({ label, icon, hint, disabled, class: name, pressed, act }: IconButtonProps) {
   return (
     <button
       type="button"
       class={`icon-button ${name ?? ""}`}
       aria-label={label}
+      aria-pressed={pressed}
       title={hint ?? label}
       disabled={disabled}
       onClick={act}

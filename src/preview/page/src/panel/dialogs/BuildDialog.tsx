@@ -3,6 +3,7 @@
 import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { BuildMessage } from "../../server/protocol";
 import { buildCommand, outputOf } from "../../state/build";
+import { Button } from "../controls/controls";
 import { useLive, useSelect, useStore } from "../controls/hooks";
 import { copyText } from "./clipboard";
 
@@ -31,12 +32,7 @@ function Dialog({ input }: { input: string | null }) {
     store.command({ type: "build", path, overwrite: isTaken || own?.status === "built" });
   };
   return (
-    <dialog
-      class="dialog save"
-      ref={dialog}
-      aria-labelledby="build-title"
-      onClose={() => store.update({ dialog: null })}
-    >
+    <dialog class="dialog save" ref={dialog} aria-labelledby="build-title" onClose={() => store.update({ dialog: null })}>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -60,18 +56,10 @@ function Dialog({ input }: { input: string | null }) {
             {runs ? "Building…" : (own?.text ?? "")}
           </pre>
         </div>
-        <p class="save-note" role="status" data-testid="build-state">
-          {own && words(own)}
-        </p>
+        <p class="save-note" role="status" data-testid="build-state">{own && words(own)}</p>
         <footer>
-          {own?.status === "built" && (
-            <button type="button" class="button" onClick={() => copyText(store, own.output)}>
-              Copy the path
-            </button>
-          )}
-          <button type="button" class="button" onClick={() => dialog.current?.close()}>
-            Close
-          </button>
+          {own?.status === "built" && <Button act={() => copyText(store, own.output)}>Copy the path</Button>}
+          <Button act={() => dialog.current?.close()}>Close</Button>
           <button
             type="submit"
             class={`button is-main ${isSure ? "is-danger" : ""}`}

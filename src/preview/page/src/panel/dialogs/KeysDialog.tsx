@@ -1,4 +1,5 @@
 import { useLayoutEffect, useRef } from "preact/hooks";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { KEYS } from "../../state/keys";
 
@@ -17,20 +18,13 @@ function Dialog() {
     dialog.current?.scrollTo(0, 0);
   }, []);
   return (
-    <dialog
-      class="dialog keys"
-      ref={dialog}
-      aria-labelledby="keys-title"
-      onClose={() => store.update({ dialog: null })}
-    >
+    <dialog class="dialog keys" ref={dialog} aria-labelledby="keys-title" onClose={() => store.update({ dialog: null })}>
       <h2 id="keys-title">Keys</h2>
       <dl>
         {KEYS.map(([keys, meaning]) => (
           <div key={keys}>
             <dt>
-              {keys.split(" ").map((key) => (
-                <kbd>{key}</kbd>
-              ))}
+              {keys.split(" ").map((key) => <kbd>{key}</kbd>)}
             </dt>
             <dd>{meaning}</dd>
           </div>
@@ -38,9 +32,7 @@ function Dialog() {
       </dl>
       <footer>
         <span class="version">{version && `usdtailor ${version}`}</span>
-        <button type="button" class="button" onClick={() => dialog.current?.close()}>
-          Close
-        </button>
+        <Button act={() => dialog.current?.close()}>Close</Button>
       </footer>
     </dialog>
   );

@@ -4,7 +4,7 @@ import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { SaveMessage, SaveTargets } from "../../server/protocol";
 import type { Store } from "../../state/store";
 import { buildCommand, outputOf } from "../../state/build";
-import { Segments } from "../controls/controls";
+import { Button, Segments } from "../controls/controls";
 import { useLive, useSelect, useStore } from "../controls/hooks";
 import { Faults } from "../recipe/OptionRow";
 
@@ -95,13 +95,9 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
             {plan?.text || (plan ? "" : "…")}
           </pre>
         </div>
-        <p id="save-note" class="save-note">
-          {plan?.note}
-        </p>
+        <p id="save-note" class="save-note">{plan?.note}</p>
         <footer>
-          <button type="button" class="button" onClick={() => dialog.current?.close()}>
-            Cancel
-          </button>
+          <Button act={() => dialog.current?.close()}>Cancel</Button>
           <button type="submit" class={`button is-main ${isSure ? "is-danger" : ""}`} disabled={!isLive || !plan}>
             {verb(plan, format, isSure)}
           </button>

@@ -6,6 +6,7 @@ import { giveValues, valuesOf } from "../../state/cards";
 import { automaticMeasure, MEASURE, type Kind } from "../../state/garment";
 import { presetOf, presetsOf, removePreset, savePreset, type Preset } from "../../state/presets";
 import { isEnabled, instanceAt } from "../../state/recipe";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
@@ -98,12 +99,8 @@ function PresetName({ operator, presets, done }: { operator: Stacked; presets: P
         ref={field}
         onInput={({ currentTarget }) => setName(currentTarget.value)}
       />
-      <button type="submit" class="button is-main" disabled={name.trim() === ""}>
-        {isThere ? "Replace" : "Save"}
-      </button>
-      <button type="button" class="button" onClick={done}>
-        Cancel
-      </button>
+      <button type="submit" class="button is-main" disabled={name.trim() === ""}>{isThere ? "Replace" : "Save"}</button>
+      <Button act={done}>Cancel</Button>
     </form>
   );
 }

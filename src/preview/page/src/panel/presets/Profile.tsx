@@ -97,9 +97,7 @@ function Measure({ from, to, text }: { from: Point; to: Point; text: string }) {
   return (
     <>
       <path class="profile-measure" d={ticks} />
-      <text class="profile-text" x={at[0]} y={at[1]} text-anchor={anchor}>
-        {text}
-      </text>
+      <text class="profile-text" x={at[0]} y={at[1]} text-anchor={anchor}>{text}</text>
     </>
   );
 }

@@ -15,11 +15,7 @@ import { Swatch, useSets } from "./SetChips";
 export function ClothFigures() {
   const cloth = useSelect((state) => state.cloth);
   if (!cloth) return null;
-  return (
-    <p class="cloth-figures" data-testid="cloth-figures">
-      {words(cloth)}
-    </p>
-  );
+  return <p class="cloth-figures" data-testid="cloth-figures">{words(cloth)}</p>;
 }
 
 function words({ figures }: ClothMessage): string {
@@ -39,9 +35,7 @@ export function Fabrics() {
   return (
     <>
       <div class="cards is-fabrics" role="list" aria-label="Fabrics">
-        {fabrics.map((fabric) => (
-          <FabricCard key={fabric.name} fabric={fabric} />
-        ))}
+        {fabrics.map((fabric) => <FabricCard key={fabric.name} fabric={fabric} />)}
       </div>
       <NewFabric />
     </>
@@ -107,9 +101,7 @@ function FabricCard({ fabric }: { fabric: Instance }) {
       </header>
       {isOpen && (
         <div class="card-body">
-          {options.map((option) => (
-            <OptionRow key={option.key} option={option} full={`${full}.${option.key}`} />
-          ))}
+          {options.map((option) => <OptionRow key={option.key} option={option} full={`${full}.${option.key}`} />)}
         </div>
       )}
       {faults.length > 0 && (

@@ -8,11 +8,10 @@ import { automaticLength } from "../../state/garment";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
 import { isMixed, keysWith } from "../../state/cards";
-import { Segments, Select, Switch } from "../controls/controls";
+import { IconButton, Segments, Select, Switch } from "../controls/controls";
 import { NumberField } from "../controls/NumberField";
 import { Slider, type Range } from "../controls/Slider";
 import { useSelect, useStore } from "../controls/hooks";
-import { Icon } from "../controls/icons";
 import { lengthUnit, neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
 import { SetChips } from "./SetChips";
 import { TextField, WordChoice } from "../controls/TextField";
@@ -58,16 +57,7 @@ export function OptionRow({ option, full }: RowProps) {
         {mixed && <span class="mixed" title="The selected cards differ"> mixed</span>}
       </span>
       <Control option={option} full={full} mixed={mixed} label={label} describedBy={id} invalid={faults.length > 0} />
-      <button
-        type="button"
-        class="reset"
-        aria-label={`Reset ${label}`}
-        title="Back to the garment's value or the default"
-        disabled={!edited}
-        onClick={reset}
-      >
-        <Icon name="reset" />
-      </button>
+      <IconButton label={`Reset ${label}`} icon="reset" hint="Back to the garment's value or the default" disabled={!edited} class="reset" act={reset} />
       <span id={id} class="option-notes">
         <span class="hidden">{hint}</span>
         <Faults faults={faults} />

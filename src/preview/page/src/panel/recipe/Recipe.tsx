@@ -87,9 +87,7 @@ function Section({
 function Rows({ options }: { options: Option[] }) {
   return (
     <>
-      {options.map((option) => (
-        <OptionRow key={option.key} option={option} full={option.key} />
-      ))}
+      {options.map((option) => <OptionRow key={option.key} option={option} full={option.key} />)}
     </>
   );
 }
@@ -132,9 +130,7 @@ function Skeleton() {
       {[5, 3, 6].map((rows) => (
         <div class="section">
           <i class="bone is-title" />
-          {Array.from({ length: rows }, (_, i) => (
-            <i class="bone" style={{ width: `${96 - ((i * 17) % 30)}%` }} />
-          ))}
+          {Array.from({ length: rows }, (_, i) => <i class="bone" style={{ width: `${96 - ((i * 17) % 30)}%` }} />)}
         </div>
       ))}
     </div>

@@ -1,6 +1,7 @@
 // Edge or face sets as chips, with a menu of those that may be added.
 
 import type { SetInfo } from "../../server/protocol";
+import { IconButton } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
@@ -66,6 +67,10 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
       })),
   ];
   const isMissing = (name: string) => isName(name) && !sets.some((set) => set.name === name);
+  const remove = (name: string) => {
+    store.highlight(null);
+    change(names.filter((each) => each !== name));
+  };
   return (
     <span class="chips" role="group" aria-label={label} aria-describedby={describedBy} aria-invalid={invalid}>
       {names.map((name) => (
@@ -77,25 +82,10 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
           onPointerLeave={() => store.highlight(null)}
         >
           <Swatch set={name} />
-          <button
-            type="button"
-            class="set-chip-name"
-            title={`Select ${wordsOf(name)}`}
-            onClick={() => store.selector.take(name)}
-          >
+          <button type="button" class="set-chip-name" title={`Select ${wordsOf(name)}`} onClick={() => store.selector.take(name)}>
             {wordsOf(name)}
           </button>
-          <button
-            type="button"
-            aria-label={`Remove ${wordsOf(name)}`}
-            title={`Remove ${wordsOf(name)}`}
-            onClick={() => {
-              store.highlight(null);
-              change(names.filter((each) => each !== name));
-            }}
-          >
-            <Icon name="close" />
-          </button>
+          <IconButton label={`Remove ${wordsOf(name)}`} icon="close" class="is-small" act={() => remove(name)} />
         </span>
       ))}
       <MenuButton label={`Add to ${label}`} class="add-chip" items={items} empty="All sets are in">

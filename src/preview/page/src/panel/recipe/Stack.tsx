@@ -6,6 +6,7 @@ import type { Garment, Kind } from "../../state/garment";
 import { setsOf } from "../../state/recipe";
 import { Card } from "./Card";
 import { useDrag } from "./drag";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { isDerived } from "./SetChips";
 import { Icon } from "../controls/icons";
@@ -51,9 +52,7 @@ function Chosen() {
             <b>{count === 1 ? "1 card" : `${count} cards`} selected.</b> A value that is set in one is set in all of its
             kind.
           </span>
-          <button type="button" class="button is-small" onClick={() => store.update({ chosen: new Set() })}>
-            Clear
-          </button>
+          <Button class="is-small" act={() => store.update({ chosen: new Set() })}>Clear</Button>
         </p>
       )}
     </div>

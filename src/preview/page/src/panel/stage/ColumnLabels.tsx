@@ -54,18 +54,12 @@ function Label({ role, isFlat, isSmall }: { role: Role; isFlat: boolean; isSmall
   return (
     <span class={`column-label is-${standing.is}`} data-role={role}>
       {isSmall ? (
-        <button type="button" title="Make it the large one (G)" onClick={() => makeLarge(store, role)}>
-          {name}
-        </button>
+        <button type="button" title="Make it the large one (G)" onClick={() => makeLarge(store, role)}>{name}</button>
       ) : (
         name
       )}
       {isFlat && <small>flat</small>}
-      {isMore && (
-        <small title="Refinements for display are not written">
-          +{shown - written} for display
-        </small>
-      )}
+      {isMore && <small title="Refinements for display are not written">+{shown - written} for display</small>}
       {standing.is === "building" && <em>building</em>}
       {standing.is === "stale" && <em title={standing.why}>stale: {standing.why}</em>}
     </span>

@@ -1,8 +1,8 @@
 // How a first seam is made, over the picture of a garment that has none.
 
 import type { ComponentChildren } from "preact";
+import { IconButton } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
-import { Icon } from "../controls/icons";
 
 /** The lines of a bit of mesh, and the one across it that becomes a seam. */
 const MESH = "M2 12 94 4M2 32 94 24M2 52 94 44M14 4v54M38 2v54M62 1v54M86 0v54";
@@ -56,15 +56,7 @@ export function FirstSteps() {
           </li>
         ))}
       </ol>
-      <button
-        type="button"
-        class="icon-button is-small"
-        aria-label="Hide these steps"
-        title="Hide these steps"
-        onClick={() => store.settings({ knowsSteps: true })}
-      >
-        <Icon name="close" />
-      </button>
+      <IconButton label="Hide these steps" icon="close" class="is-small" act={() => store.settings({ knowsSteps: true })} />
     </div>
   );
 }

@@ -21,13 +21,9 @@ export function FlatNotes() {
       {plan.map((column) => (
         <div class="plan" key={column.x + column.y * 1e4} role="group" aria-label="Panels">
           {placed(column.panels, column, wordsOf).map(({ name, text, x, y, width }) => (
-            <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, width: `${width}px` }}>
-              {text}
-            </span>
+            <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, width: `${width}px` }}>{text}</span>
           ))}
-          {column.unit > 0 && column.width >= LEAST_COLUMN && (
-            <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />
-          )}
+          {column.unit > 0 && column.width >= LEAST_COLUMN && <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />}
         </div>
       ))}
     </>

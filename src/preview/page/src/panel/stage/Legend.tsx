@@ -1,6 +1,7 @@
 import { isQuality } from "../../view/mesh/values";
 import { heatCss, scaleOf, valueAt } from "../../view/shade/heat";
 import { CUTS } from "../../view/mesh/panels";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { lengthOrArea, rounded } from "../controls/numbers";
 import { Swatch } from "../recipe/SetChips";
@@ -82,11 +83,7 @@ function HeatLegend() {
   const wanted = useSelect(({ settings }) => settings.values);
   if (shading !== "values") return null;
   if (!heat || heat.name !== wanted) {
-    return (
-      <p class="legend" role="status">
-        The heat is being made
-      </p>
-    );
+    return <p class="legend" role="status">The heat is being made</p>;
   }
   const scale = scaleOf(heat);
   const choice = [...QUALITIES, ...paintedChoices(garment)].find(({ name }) => name === heat.name);
@@ -102,11 +99,7 @@ function HeatLegend() {
         <span>{at(0.5)}</span>
         <span>{at(1)}</span>
       </div>
-      {isQuality(heat) && (
-        <button type="button" class="button is-small" onClick={() => flyToWorst(store)}>
-          Fly to the worst
-        </button>
-      )}
+      {isQuality(heat) && <Button class="is-small" act={() => flyToWorst(store)}>Fly to the worst</Button>}
     </figure>
   );
 }
@@ -124,9 +117,7 @@ function Histogram() {
   const most = Math.max(1, ...counts);
   return (
     <svg class="legend-histogram" viewBox={`0 0 ${PARTS} 1`} preserveAspectRatio="none" role="img" aria-label="Histogram">
-      {counts.map((count, i) => (
-        <rect key={i} x={i} y={1 - count / most} width={0.9} height={count / most} data-count={count} />
-      ))}
+      {counts.map((count, i) => <rect key={i} x={i} y={1 - count / most} width={0.9} height={count / most} data-count={count} />)}
     </svg>
   );
 }

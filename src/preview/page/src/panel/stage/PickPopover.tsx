@@ -5,8 +5,8 @@ import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
 import { setsOf } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
+import { Button, IconButton } from "../controls/controls";
 import { useLive, useOutside, useSelect, useStore } from "../controls/hooks";
-import { Icon } from "../controls/icons";
 import { addOperator, reveal } from "../../state/operators";
 import type { Isolated, PickedSet } from "../../view/api";
 import { Swatch } from "../recipe/SetChips";
@@ -62,15 +62,11 @@ function Popover() {
         {clicked.edge ? `Edge ${clicked.edge[0]}–${clicked.edge[1]}` : `Face ${clicked.face}`}
         <span>
           <IsolateButton label="Show its panel alone" what={clicked} />
-          <button type="button" class="icon-button is-small" aria-label="Close" onClick={close}>
-            <Icon name="close" />
-          </button>
+          <IconButton label="Close" icon="close" class="is-small" act={close} />
         </span>
       </header>
       {sets.length === 0 && <p class="pick-none">In no set</p>}
-      {sets.map((set) => (
-        <PickRow key={`${set.kind} ${set.name}`} set={set} close={close} />
-      ))}
+      {sets.map((set) => <PickRow key={`${set.kind} ${set.name}`} set={set} close={close} />)}
     </div>
   );
 }
@@ -78,15 +74,7 @@ function Popover() {
 function IsolateButton({ label, what }: { label: string; what: Isolated }) {
   const store = useStore();
   return (
-    <button
-      type="button"
-      class="icon-button is-small"
-      aria-label={label}
-      title={`${label} (Esc shows all)`}
-      onClick={() => store.isolate(what)}
-    >
-      <Icon name="isolate" />
-    </button>
+    <IconButton label={label} icon="isolate" hint={`${label} (Esc shows all)`} class="is-small" act={() => store.isolate(what)} />
   );
 }
 
@@ -104,31 +92,16 @@ function PickRow({ set, close }: { set: PickedSet; close(): void }) {
     what();
   };
   return (
-    <div
-      class="pick-row"
-      onPointerEnter={() => store.highlight([set.name])}
-      onPointerLeave={() => store.highlight(null)}
-    >
+    <div class="pick-row" onPointerEnter={() => store.highlight([set.name])} onPointerLeave={() => store.highlight(null)}>
       <Swatch set={set.name} />
       <span class="pick-name" title={set.name}>
         {wordsOf(set.name)}
         <small>{set.kind === "edge" ? "edge set" : "face set"}</small>
       </span>
       {set.kind === "face" && <IsolateButton label={`Show ${set.name} alone`} what={set.name} />}
-      {users.map((user) => (
-        <button type="button" class="button is-small" onClick={act(() => reveal(store, user.full))}>
-          {goTo(user)}
-        </button>
-      ))}
+      {users.map((user) => <Button class="is-small" act={act(() => reveal(store, user.full))}>{goTo(user)}</Button>)}
       {users.length === 0 && (
-        <button
-          type="button"
-          class="button is-small"
-          disabled={!isLive}
-          onClick={act(() => addOperator(store, kind, set.name))}
-        >
-          {newOf(kind)}
-        </button>
+        <Button class="is-small" disabled={!isLive} act={act(() => addOperator(store, kind, set.name))}>{newOf(kind)}</Button>
       )}
     </div>
   );

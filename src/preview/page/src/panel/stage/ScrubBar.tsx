@@ -1,6 +1,6 @@
 // Plays a cache of the simulation mesh, on it and on the render mesh.
 
-import { IconButton } from "../controls/controls";
+import { Button, IconButton } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { neat } from "../controls/numbers";
@@ -46,9 +46,7 @@ export function ScrubBar() {
         onInput={({ currentTarget }) => store.player.show(currentTarget.valueAsNumber)}
       />
       <output>{time === null ? "bind" : neat(time)}</output>
-      <button type="button" class="button is-small" disabled={frame === null} onClick={() => store.player.show(null)}>
-        Bind
-      </button>
+      <Button class="is-small" disabled={frame === null} act={() => store.player.show(null)}>Bind</Button>
     </div>
   );
 }

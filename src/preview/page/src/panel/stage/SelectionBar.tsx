@@ -4,7 +4,7 @@ import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import { densityOf, paintedHint, setFiner } from "../../state/density";
 import { addFromSelection, kindFor } from "../../state/operators";
 import { shortName, WAYS, type Selection } from "../../state/selection";
-import { Icon } from "../controls/icons";
+import { Button, IconButton } from "../controls/controls";
 import { useLive, useSelect, useStore } from "../controls/hooks";
 import { lengthOrArea } from "../controls/numbers";
 import { KIND_NAMES } from "../recipe/Stack";
@@ -15,9 +15,7 @@ export function SelectionBar() {
   if (!selection && !isSelecting) return null;
   return (
     <div class="selection-bar" role="toolbar" aria-label="Selection">
-      <p class="selection-words" role="status">
-        {selection ? wordsOf(selection) : "Nothing is selected"}
-      </p>
+      <p class="selection-words" role="status">{selection ? wordsOf(selection) : "Nothing is selected"}</p>
       <Field />
       {selection && <Ways kind={selection.kind} />}
       {selection?.kind === "face" && <Density />}
@@ -89,36 +87,31 @@ function Ways({ kind }: { kind: Selection["kind"] }) {
   return (
     <>
       {WAYS.filter((way) => way.of === kind).map((way) => (
-        <button
-          type="button"
+        <Button
           key={way.label}
-          class="button is-small"
-          title={`${way.hint} (${way.key.toUpperCase()})`}
-          onClick={() => store.selector.go(way.key)}
+          class="is-small"
+          hint={`${way.hint} (${way.key.toUpperCase()})`}
+          act={() => store.selector.go(way.key)}
         >
           {way.label}
-        </button>
+        </Button>
       ))}
       <span class="selection-rows" role="group" aria-label="Rows of faces">
-        <button
-          type="button"
-          class="icon-button is-small"
-          aria-label="One row less"
-          title="One row of faces less (−)"
+        <IconButton
+          label="One row less"
+          icon="minus"
+          hint="One row of faces less (−)"
+          class="is-small"
           disabled={kind === "edge"}
-          onClick={() => store.selector.grow(-1)}
-        >
-          <Icon name="minus" />
-        </button>
-        <button
-          type="button"
-          class="icon-button is-small"
-          aria-label="One row more"
-          title="One row of faces more around the selection (+)"
-          onClick={() => store.selector.grow(1)}
-        >
-          <Icon name="plus" />
-        </button>
+          act={() => store.selector.grow(-1)}
+        />
+        <IconButton
+          label="One row more"
+          icon="plus"
+          hint="One row of faces more around the selection (+)"
+          class="is-small"
+          act={() => store.selector.grow(1)}
+        />
       </span>
     </>
   );
@@ -132,24 +125,22 @@ function Density() {
   const hint = (text: string) => (isPainted ? paintedHint(name) : text);
   return (
     <>
-      <button
-        type="button"
-        class="button is-small"
-        title={hint("Smaller triangles of the simulation mesh here (D)")}
+      <Button
+        class="is-small"
+        hint={hint("Smaller triangles of the simulation mesh here (D)")}
         disabled={!isLive || isPainted}
-        onClick={() => setFiner(store, true)}
+        act={() => setFiner(store, true)}
       >
         Finer
-      </button>
-      <button
-        type="button"
-        class="button is-small"
-        title={hint("Again larger triangles here (Shift D)")}
+      </Button>
+      <Button
+        class="is-small"
+        hint={hint("Again larger triangles here (Shift D)")}
         disabled={!isLive || isPainted || !name}
-        onClick={() => setFiner(store, false)}
+        act={() => setFiner(store, false)}
       >
         Coarser
-      </button>
+      </Button>
     </>
   );
 }
@@ -160,15 +151,14 @@ function MakeButton() {
   const kind = useSelect(({ selection, garment }) => kindFor(selection, garment));
   if (!kind) return null;
   return (
-    <button
-      type="button"
-      class="button is-small is-main"
-      title={`A ${KIND_NAMES[kind.name]} of the selection (N)`}
+    <Button
+      class="is-small is-main"
+      hint={`A ${KIND_NAMES[kind.name]} of the selection (N)`}
       disabled={!isLive}
-      onClick={() => addFromSelection(store)}
+      act={() => addFromSelection(store)}
     >
       New {KIND_NAMES[kind.name]}
-    </button>
+    </Button>
   );
 }
 
@@ -178,9 +168,5 @@ function CloseButton() {
     store.update({ isSelecting: false });
     store.selector.clear();
   };
-  return (
-    <button type="button" class="icon-button is-small" aria-label="Select nothing" title="Select nothing (Esc)" onClick={close}>
-      <Icon name="close" />
-    </button>
-  );
+  return <IconButton label="Select nothing" icon="close" hint="Select nothing (Esc)" class="is-small" act={close} />;
 }

@@ -3,6 +3,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { setsOf } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
+import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
@@ -48,9 +49,7 @@ export function Stage() {
       <ScrubBar />
       <Toasts />
       <IsolatedNote />
-      {comparing && (
-        <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>
-      )}
+      {comparing && <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>}
     </main>
   );
 }
@@ -67,9 +66,7 @@ function IsolatedNote() {
   return (
     <p class="comparing is-isolated" role="status">
       A part is shown alone
-      <button type="button" class="button is-small" title="Show all (Esc)" onClick={() => store.isolate(null)}>
-        Show all
-      </button>
+      <Button class="is-small" hint="Show all (Esc)" act={() => store.isolate(null)}>Show all</Button>
     </p>
   );
 }

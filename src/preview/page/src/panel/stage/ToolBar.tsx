@@ -49,12 +49,7 @@ export function ToolBar() {
         ]}
         change={(layout) => store.settings({ layout })}
       />
-      <Segments
-        label="Shading"
-        value={settings.shading}
-        choices={SHADINGS}
-        change={(shading) => store.settings({ shading })}
-      />
+      <Segments label="Shading" value={settings.shading} choices={SHADINGS} change={(shading) => store.settings({ shading })} />
       {settings.shading === "cloth" && <FabricButton />}
       {settings.shading === "values" && <HeatSelect />}
       <Levels />
@@ -114,42 +109,26 @@ function HeatSelect() {
   );
 }
 
+/** What is drawn or not: a setting, its icon's name too, with its words. */
+const DRAWN: ["wires" | "edgeSets" | "flat" | "shadows", string, string][] = [
+  ["wires", "Wires", "Edges of the mesh (W)"],
+  ["edgeSets", "Edge sets", "Edge sets and seams, each in its colour"],
+  ["flat", "Flat panels", "The UV panels, flat; of the large mesh, with the mesh in space beside them"],
+  ["shadows", "Shadows", "Layers shade one another, once the view is at rest"],
+];
+
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, layout, shadows, smooth, symmetric } = useSelect((state) => state.settings);
+  const settings = useSelect((state) => state.settings);
+  const { flat, layout, smooth, symmetric } = settings;
   const mirror = useSelect(({ garment }) => garment?.mirror);
   const isolated = useSelect((state) => state.isolated);
   const split = useSelect((state) => state.split);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
-      <Toggle
-        label="Wires"
-        icon="wires"
-        hint="Edges of the mesh (W)"
-        on={wires}
-        change={(wires) => store.settings({ wires })}
-      />
-      <Toggle
-        label="Edge sets"
-        icon="edgeSets"
-        hint="Edge sets and seams, each in its colour"
-        on={edgeSets}
-        change={(edgeSets) => store.settings({ edgeSets })}
-      />
-      <Toggle
-        label="Flat panels"
-        icon="flat"
-        hint="The UV panels, flat; of the large mesh, with the mesh in space beside them"
-        on={flat}
-        change={(flat) => store.settings({ flat })}
-      />
-      <Toggle
-        label="Shadows"
-        icon="shadows"
-        hint="Layers shade one another, once the view is at rest"
-        on={shadows}
-        change={(shadows) => store.settings({ shadows })}
-      />
+      {DRAWN.map(([name, label, hint]) => (
+        <Toggle key={name} label={label} icon={name} hint={hint} on={settings[name]} change={(on) => store.settings({ [name]: on })} />
+      ))}
       <hr />
       <Segments
         label="Display smoothing"
@@ -200,12 +179,7 @@ export function SideBar() {
           change={(symmetric) => store.settings({ symmetric })}
         />
       )}
-      <IconButton
-        label="Frame"
-        icon="frame"
-        hint="Frame what is marked, or everything (F)"
-        act={() => store.view?.frame()}
-      />
+      <IconButton label="Frame" icon="frame" hint="Frame what is marked, or everything (F)" act={() => store.view?.frame()} />
       <PictureButton />
     </div>
   );

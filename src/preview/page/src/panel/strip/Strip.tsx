@@ -119,11 +119,7 @@ function Brief({ role, isShown, product, figures }: BriefProps) {
   return (
     <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint} data-brief={role}>
       {ROLE_NAMES[role]}
-      {standing.is !== "current" && (
-        <em class="standing" title={standing.why}>
-          {standing.is}
-        </em>
-      )}
+      {standing.is !== "current" && <em class="standing" title={standing.why}>{standing.is}</em>}
       {product ? (
         <>
           <span class="brief-points">
@@ -224,9 +220,7 @@ function Times({ timing }: { timing: Timing | null }) {
         Last edit <span>{ROLE_NAMES[timing.role].toLowerCase()}</span>
       </h3>
       <div class="times-bar" aria-hidden="true">
-        {PARTS.map((part) => (
-          <i key={part} class={`is-${part}`} style={{ flexGrow: timing[part] }} />
-        ))}
+        {PARTS.map((part) => <i key={part} class={`is-${part}`} style={{ flexGrow: timing[part] }} />)}
         <i style={{ flexGrow: Math.max(0, timing.total - known) }} />
       </div>
       <dl>

@@ -3,6 +3,7 @@ import type { Finding } from "../../state/garment";
 import { ROLE_NAMES } from "../../state/settings";
 import { cureOf } from "../../state/fixes";
 import type { Change } from "../../state/store";
+import { Button } from "../controls/controls";
 import { useLive, useSelect, useStandingOfAll, useStore } from "../controls/hooks";
 import { inUnit, lengthUnit, rounded } from "../controls/numbers";
 import { Icon, type IconName } from "../controls/icons";
@@ -58,13 +59,9 @@ function Places({ at, count }: { at: number; count: number }) {
   const store = useStore();
   return (
     <span class="warning-places" role="group" aria-label="Places">
-      <button type="button" class="button is-small" title="The place before ([)" onClick={() => store.visit(at - 1)}>
-        Previous
-      </button>
+      <Button class="is-small" hint="The place before ([)" act={() => store.visit(at - 1)}>Previous</Button>
       place {at + 1} of {count}
-      <button type="button" class="button is-small" title="The next place (])" onClick={() => store.visit(at + 1)}>
-        Next
-      </button>
+      <Button class="is-small" hint="The next place (])" act={() => store.visit(at + 1)}>Next</Button>
     </span>
   );
 }
@@ -79,11 +76,7 @@ function FixButton({ finding }: { finding: Finding }) {
   if (cure.length === 0) return null;
   const unit = lengthUnit(garment);
   const words = cure.map(({ key, value }) => `${key.split(".")[2]} ${rounded(inUnit(Number(value), unit))} ${unit.word}`);
-  return (
-    <button type="button" class="button is-small" disabled={!isLive} title={words.join(", ")} onClick={() => store.setAll(cure)}>
-      Fix it
-    </button>
-  );
+  return <Button class="is-small" hint={words.join(", ")} disabled={!isLive} act={() => store.setAll(cure)}>Fix it</Button>;
 }
 
 function canShow({ elements, names }: Finding): boolean {

@@ -46,12 +46,12 @@ export function poseOfSets({ rig, aspects, flat, shown }: Sight, names: Readonly
   if (!last || names.size === 0) return null;
   const places = shown.flatMap((cloth) => placesOfSets(cloth, names, flat));
   const ball = ballOf(places, last, flat);
-  return ball && farthest(aspects.map((aspect) => rig.fitSphere(ball.centre, ball.radius, aspect)));
+  return ball && farthest(aspects.map((aspect) => rig.fitSphere(ball, aspect)));
 }
 
 export function poseOfMarks({ rig, space, flat }: Sight, { cloth, elements, aspect }: Aim): Pose | null {
   const ball = ballOf(placesOfShapes(shapesOf(cloth, elements, flat)), cloth, flat);
-  return ball && rig.fitSphere(ball.centre, ball.radius, aspect, sideOf(space, cloth, elements));
+  return ball && rig.fitSphere(ball, aspect, sideOf(space, cloth, elements));
 }
 
 /** Whether nearly all of the elements are in the picture, and on the near side of the cloth. */

@@ -1,62 +1,29 @@
 // What the camera frames: everything, the highlighted sets, or the marks.
 
-import { Vector3 } from "three";
+import { Box3, Sphere, Vector3 } from "three";
 import type { Cloth } from "../mesh/cloth";
 import type { Shapes } from "../mesh/marks";
+import { elementsOfSet, ownerOf, shapesOf } from "../mesh/shapes";
 import type { Cloud } from "./rig";
 
 /** Least radius of what is framed, so that a mark is seen with the cloth around it. [mean edges], [UV units] */
 const CONTEXT = 8;
 const FLAT_CONTEXT = 0.06;
 
-export interface Ball {
-  centre: Vector3;
-  radius: number;
-}
-
 /** All of the mesh that is drawn. */
 export function wholeOf(cloth: Cloth, flat: boolean): Cloud {
-  if (cloth.isIsolated) return { values: placesDrawn(cloth, flat), stride: flat ? 2 : 4 };
-  return flat ? { values: cloth.uvs, stride: 2 } : { values: cloth.points, stride: 4 };
-}
-
-function placesDrawn(cloth: Cloth, flat: boolean): number[] {
-  const { starts, corners } = cloth.faces;
-  const places: number[] = [];
-  for (let face = 0; face < cloth.faceCount; face++) {
-    if (!cloth.isDrawn(face)) continue;
-    for (let corner = starts[face]; corner < starts[face + 1]; corner++) {
-      if (flat) places.push(...cloth.uvs.subarray(2 * corner, 2 * corner + 2));
-      else places.push(...cloth.points.subarray(4 * corners[corner], 4 * corners[corner] + 4));
-    }
+  if (cloth.isIsolated) {
+    const drawn = [...Array(cloth.faceCount).keys()].filter((face) => cloth.isDrawn(face));
+    const faces = drawn.map((face) => ownerOf(cloth, face));
+    return { values: placesOfShapes(shapesOf(cloth, { faces }, flat)), stride: 3 };
   }
-  return places;
+  return flat ? { values: cloth.uvs, stride: 2 } : { values: cloth.points, stride: 4 };
 }
 
 /** Places of all elements of the sets, x, y, z each. */
 export function placesOfSets(cloth: Cloth, names: ReadonlySet<string>, flat: boolean): number[] {
-  const points = pointsOfSets(cloth, names);
-  const places: number[] = [];
-  if (!flat) for (const point of points) places.push(...cloth.points.subarray(4 * point, 4 * point + 3));
-  else if (cloth.hasUvs) {
-    cloth.faces.corners.forEach((point, corner) => {
-      if (points.has(point)) places.push(cloth.uvs[2 * corner], cloth.uvs[2 * corner + 1], 0);
-    });
-  }
-  return places;
-}
-
-function pointsOfSets(cloth: Cloth, names: ReadonlySet<string>): Set<number> {
-  const points = new Set<number>();
-  const { starts, corners } = cloth.faces;
-  for (const { name, kind, elements } of cloth.sets) {
-    if (!names.has(name)) continue;
-    for (const element of elements) {
-      if (kind !== "face") points.add(element);
-      else for (let corner = starts[element]; corner < starts[element + 1]; corner++) points.add(corners[corner]);
-    }
-  }
-  return points;
+  const all = [...names].map((name) => elementsOfSet(cloth, name));
+  return all.flatMap((elements) => (elements ? placesOfShapes(shapesOf(cloth, elements, flat)) : []));
 }
 
 export function placesOfShapes({ points, segments, triangles }: Shapes): number[] {
@@ -64,17 +31,11 @@ export function placesOfShapes({ points, segments, triangles }: Shapes): number[
 }
 
 /** The sphere around the box of places, no smaller than what gives context; null if there are none. */
-export function ballOf(places: number[], cloth: Cloth, flat: boolean): Ball | null {
+export function ballOf(places: number[], cloth: Cloth, flat: boolean): Sphere | null {
   if (places.length === 0) return null;
-  const least = new Vector3().setScalar(Infinity);
-  const most = new Vector3().setScalar(-Infinity);
-  for (let at = 0; at < places.length; at += 3) {
-    const place = new Vector3().fromArray(places, at);
-    least.min(place);
-    most.max(place);
-  }
+  const { center, radius } = new Box3().setFromArray(places).getBoundingSphere(new Sphere());
   const context = flat ? FLAT_CONTEXT : CONTEXT * meanEdge(cloth);
-  return { centre: least.clone().add(most).multiplyScalar(0.5), radius: Math.max(most.distanceTo(least) / 2, context) };
+  return new Sphere(center, Math.max(radius, context));
 }
 
 /** The mean of the outward normals, or null if they cancel out. */
@@ -84,20 +45,14 @@ export function meanNormal(cloth: Cloth, points: number[]): Vector3 | null {
   return sum.length() > 0.3 * points.length ? sum.normalize().multiplyScalar(cloth.handed) : null;
 }
 
-function meanEdge(cloth: Cloth): number {
-  const { starts, corners } = cloth.faces;
+function meanEdge({ faces: { starts, corners }, points }: Cloth): number {
+  const [a, b] = [new Vector3(), new Vector3()];
   let sum = 0;
   for (let face = 0; face + 1 < starts.length; face++) {
-    let before = corners[starts[face + 1] - 1];
+    b.fromArray(points, 4 * corners[starts[face + 1] - 1]);
     for (let corner = starts[face]; corner < starts[face + 1]; corner++) {
-      const point = corners[corner];
-      sum += length(cloth.points, 4 * before, 4 * point);
-      before = point;
+      sum += a.copy(b).distanceTo(b.fromArray(points, 4 * corners[corner]));
     }
   }
   return sum / Math.max(1, corners.length);
-}
-
-function length(p: Float32Array, a: number, b: number): number {
-  return Math.hypot(p[a] - p[b], p[a + 1] - p[b + 1], p[a + 2] - p[b + 2]);
 }

@@ -1,5 +1,7 @@
 // How the camera gets from one pose to another: it follows a drag with damping, and flies with ease.
 
+import { MathUtils } from "three";
+
 /** Target x, y, z; logarithm of the distance, or in the flat view of half the height; turn; tilt. [radians] */
 export type Pose = [number, number, number, number, number, number];
 
@@ -55,22 +57,19 @@ export class Motion {
   }
 
   #approach(passed: number): boolean {
-    const part = 1 - Math.exp(-passed / DAMPING);
     const near = this.pose.every((value, index) => Math.abs(this.#goal[index] - value) < this.#tolerance(index));
     if (near) {
       this.#set(this.#goal);
       return false;
     }
-    this.#set(mix(this.pose, this.#goal, part));
+    this.#set(mix(this.pose, this.#goal, 1 - Math.exp(-passed / DAMPING)));
     return true;
   }
 
   #glide(passed: number): boolean {
-    const t = Math.min(1, Math.max(0, passed / FLIGHT));
-    const eased = t * t * (3 - 2 * t);
-    this.#set(mix(this.#from, this.#goal, eased));
-    if (t === 1) this.#began = null;
-    return t < 1;
+    this.#set(mix(this.#from, this.#goal, MathUtils.smoothstep(passed, 0, FLIGHT)));
+    if (passed >= FLIGHT) this.#began = null;
+    return passed < FLIGHT;
   }
 
   /** Less than a pixel. */
@@ -84,7 +83,7 @@ export class Motion {
 }
 
 function mix(a: Readonly<Pose>, b: Readonly<Pose>, part: number): Pose {
-  return a.map((value, index) => value + part * (b[index] - value)) as Pose;
+  return a.map((value, index) => MathUtils.lerp(value, b[index], part)) as Pose;
 }
 
 /** The same turn, at most half a round from another. */

@@ -1,12 +1,12 @@
 // A camera with its pose: in space it orbits a target; in the flat view it looks down on the UV plane.
 
-import { Matrix4, OrthographicCamera, PerspectiveCamera, Vector2, Vector3 } from "three";
+import { OrthographicCamera, PerspectiveCamera, Sphere, Vector2, Vector3 } from "three";
 import { Motion } from "./motion";
 import type { Pose } from "./motion";
 import type { Side } from "../api";
 import type { UpAxis } from "../../server/protocol";
 
-/** Half of the angle that the shorter side of the view spans. */
+/** Half of the angle that the shorter side of the view spans. [radians] */
 const HALF_ANGLE = (14 * Math.PI) / 180;
 /** Part of the view that is filled. */
 const FILL = 0.86;
@@ -14,7 +14,7 @@ const FILL = 0.86;
 const FILL_TOP = 0.76;
 const MOST_TILT = Math.PI / 2 - 0.001;
 
-/** What the camera should show: positions as x, y, z with a stride. */
+/** What the camera should show: positions as x, y, z, or as x, y, with a stride. */
 export interface Cloud {
   values: ArrayLike<number>;
   stride: number;
@@ -23,6 +23,10 @@ export interface Cloud {
 export abstract class Rig {
   readonly motion: Motion;
   abstract readonly camera: PerspectiveCamera | OrthographicCamera;
+  /** Half of the shorter side of the view at a distance of 1. */
+  protected abstract readonly half: number;
+  /** How much nearer places are larger: 1, or 0 without perspective. */
+  protected abstract readonly deep: 0 | 1;
   /** Sphere around all that is drawn. */
   protected centre = new Vector3();
   protected radius = 1;
@@ -38,16 +42,53 @@ export abstract class Rig {
 
   /** Sets the camera to the pose for a view of these proportions. */
   abstract place(aspect: number): void;
-  /** The pose that shows these points, seen from the same side or with a turn and a tilt. */
-  abstract fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null;
+
+  /** The pose that shows these points, seen from the same side or with a turn and a tilt; null without points. Exact: for each
+   *  side of the view, the point that lies farthest out decides. */
+  fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null {
+    const [turn, tilt] = direction ?? [this.motion.goal[4], this.motion.goal[5]];
+    const { right, up, back } = this.axes(turn, tilt);
+    const { below, above, beside } = this.#room(aspect);
+    let [left, rightmost, low, high] = [-Infinity, -Infinity, -Infinity, -Infinity];
+    let [deepest, nearest] = [Infinity, -Infinity];
+    eachPlace(clouds, (place) => {
+      const [x, y, z] = [place.dot(right), place.dot(up), place.dot(back)];
+      const depth = this.deep * z;
+      rightmost = Math.max(rightmost, x + depth * beside);
+      left = Math.max(left, -x + depth * beside);
+      high = Math.max(high, y + depth * above);
+      low = Math.max(low, -y + depth * below);
+      nearest = Math.max(nearest, z);
+      deepest = Math.min(deepest, z);
+    });
+    if (nearest < deepest) return null;
+    const eye = Math.max((rightmost + left) / (2 * beside), (high + low) / (above + below));
+    const middle = (nearest + deepest) / 2;
+    // Halfway between the heights at which the highest and the lowest point are at their ends of the view.
+    const height = (high - eye * above + (eye * below - low)) / 2;
+    const target = right.multiplyScalar((rightmost - left) / 2).add(up.multiplyScalar(height)).addScaledVector(back, middle);
+    return [target.x, target.y, target.z, Math.log(Math.max(eye - this.deep * middle, 1e-6)), turn, tilt];
+  }
 
   /** The least size of a pose (its fourth number) that shows these points with the target and the direction as they are. */
-  abstract reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number;
+  reach(clouds: Cloud[], aspect: number, [x, y, z, , turn, tilt]: Readonly<Pose>): number {
+    const { right, up, back } = this.axes(turn, tilt);
+    const { below, above, beside } = this.#room(aspect);
+    const target = new Vector3(x, y, z);
+    let distance = 1e-6;
+    eachPlace(clouds, (place) => {
+      const offset = place.sub(target);
+      const height = offset.dot(up);
+      const across = Math.max(Math.abs(offset.dot(right)) / beside, height / above, -height / below);
+      distance = Math.max(distance, this.deep * offset.dot(back) + across);
+    });
+    return Math.log(distance);
+  }
 
   /** The sphere as six points, so that small things are shown with what is around them. */
-  fitSphere(centre: Vector3, radius: number, aspect: number, direction?: [number, number]): Pose | null {
+  fitSphere({ center, radius }: Sphere, aspect: number, direction?: [number, number]): Pose | null {
     const offsets = [radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius];
-    const middle = centre.toArray();
+    const middle = center.toArray();
     return this.fit([{ values: offsets.map((offset, at) => middle[at % 3] + offset), stride: 3 }], aspect, direction);
   }
 
@@ -64,15 +105,8 @@ export abstract class Rig {
   zoom(factor: number, about: Vector3): void {
     const [x, y, z, size, turn, tilt] = this.motion.goal;
     const next = Math.min(Math.log(40 * this.radius), Math.max(Math.log(this.radius / 2000), size + Math.log(factor)));
-    const scale = Math.exp(next - size);
-    this.motion.follow([
-      about.x + scale * (x - about.x),
-      about.y + scale * (y - about.y),
-      about.z + scale * (z - about.z),
-      next,
-      turn,
-      tilt,
-    ]);
+    const place = new Vector3(x, y, z).sub(about).multiplyScalar(Math.exp(next - size)).add(about);
+    this.motion.follow([place.x, place.y, place.z, next, turn, tilt]);
   }
 
   /** The place on the plane through the target, from normalised device coordinates. */
@@ -83,12 +117,37 @@ export abstract class Rig {
     return new Vector3(x, y, z).addScaledVector(right, pointer.x * half * aspect).addScaledVector(up, pointer.y * half);
   }
 
-  protected abstract halfHeight(size: number, aspect: number): number;
+  protected halfHeight(size: number, aspect: number): number {
+    return Math.exp(size) * this.tangent(aspect);
+  }
+
+  /** A narrow view shows the same breadth. */
+  protected tangent(aspect: number): number {
+    return this.half / Math.min(1, aspect);
+  }
+
+  #room(aspect: number): { below: number; above: number; beside: number } {
+    const below = this.tangent(aspect) * FILL;
+    return { below, above: this.tangent(aspect) * FILL_TOP, beside: below * aspect };
+  }
+
   protected abstract axes(turn: number, tilt: number): { right: Vector3; up: Vector3; back: Vector3 };
+}
+
+const place = new Vector3();
+
+function eachPlace(clouds: Cloud[], visit: (place: Vector3) => void): void {
+  for (const { values, stride } of clouds) {
+    for (let at = 0; at + stride <= values.length; at += stride) {
+      visit(place.set(values[at], values[at + 1], stride > 2 ? values[at + 2] : 0));
+    }
+  }
 }
 
 export class SpaceRig extends Rig {
   readonly camera = new PerspectiveCamera();
+  protected readonly half = Math.tan(HALF_ANGLE);
+  protected readonly deep = 1;
   #axis: UpAxis = "Y";
 
   constructor() {
@@ -106,68 +165,18 @@ export class SpaceRig extends Rig {
   place(aspect: number): void {
     const [x, y, z, size, turn, tilt] = this.motion.pose;
     const distance = Math.exp(size);
-    const { right, up, back } = this.axes(turn, tilt);
+    const { back } = this.axes(turn, tilt);
     const { camera } = this;
+    camera.up.copy(this.up);
     camera.position.set(x, y, z).addScaledVector(back, distance);
-    camera.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(right, up, back));
-    camera.fov = (2 * Math.atan(halfTangent(aspect)) * 180) / Math.PI;
+    camera.lookAt(x, y, z);
+    camera.fov = (2 * Math.atan(this.tangent(aspect)) * 180) / Math.PI;
     camera.aspect = aspect;
     const depth = camera.position.clone().sub(this.centre).dot(back);
     camera.far = Math.max(depth + 1.6 * this.radius, distance * 0.1);
     camera.near = Math.max(depth - 1.6 * this.radius, Math.min(distance, this.radius) * 0.02);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
-  }
-
-  /** Exact: for each side of the view, the point that lies farthest out decides. */
-  fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null {
-    const [turn, tilt] = direction ?? [this.motion.goal[4], this.motion.goal[5]];
-    const { right, up, back } = this.axes(turn, tilt);
-    const below = halfTangent(aspect) * FILL;
-    const above = halfTangent(aspect) * FILL_TOP;
-    const tx = below * aspect;
-    let [left, rightmost, low, high] = [-Infinity, -Infinity, -Infinity, -Infinity];
-    let [deepest, nearest] = [Infinity, -Infinity];
-    for (const { values, stride } of clouds) {
-      for (let at = 0; at + 2 < values.length; at += stride) {
-        const [px, py, pz] = [values[at], values[at + 1], values[at + 2]];
-        const x = px * right.x + py * right.y + pz * right.z;
-        const y = px * up.x + py * up.y + pz * up.z;
-        const z = px * back.x + py * back.y + pz * back.z;
-        rightmost = Math.max(rightmost, x + z * tx);
-        left = Math.max(left, -x + z * tx);
-        high = Math.max(high, y + z * above);
-        low = Math.max(low, -y + z * below);
-        nearest = Math.max(nearest, z);
-        deepest = Math.min(deepest, z);
-      }
-    }
-    if (nearest < deepest) return null;
-    const eye = Math.max((rightmost + left) / (2 * tx), (high + low) / (above + below));
-    const middle = (nearest + deepest) / 2;
-    // Halfway between the heights at which the highest and the lowest point are at their ends of the view.
-    const height = (high - eye * above + (eye * below - low)) / 2;
-    const target = right.multiplyScalar((rightmost - left) / 2).add(up.multiplyScalar(height));
-    target.addScaledVector(back, middle);
-    return [target.x, target.y, target.z, Math.log(Math.max(eye - middle, 1e-6)), turn, tilt];
-  }
-
-  reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number {
-    const { right, up, back } = this.axes(pose[4], pose[5]);
-    const target = new Vector3(pose[0], pose[1], pose[2]);
-    const below = halfTangent(aspect) * FILL;
-    const above = halfTangent(aspect) * FILL_TOP;
-    const offset = new Vector3();
-    let distance = 1e-6;
-    for (const { values, stride } of clouds) {
-      for (let at = 0; at + 2 < values.length; at += stride) {
-        offset.set(values[at], values[at + 1], values[at + 2]).sub(target);
-        const y = offset.dot(up);
-        const across = Math.max(Math.abs(offset.dot(right)) / (below * aspect), y / above, -y / below);
-        distance = Math.max(distance, offset.dot(back) + across);
-      }
-    }
-    return Math.log(distance);
   }
 
   orbit(dx: number, dy: number): void {
@@ -187,14 +196,10 @@ export class SpaceRig extends Rig {
   }
 
   /** A sphere around what is in view near the target. */
-  inView(): { centre: Vector3; radius: number } {
+  inView(): Sphere {
     const [x, y, z, size] = this.motion.pose;
     const { aspect } = this.camera;
-    return { centre: new Vector3(x, y, z), radius: 1.15 * this.halfHeight(size, aspect) * Math.hypot(1, aspect) };
-  }
-
-  protected halfHeight(size: number, aspect: number): number {
-    return Math.exp(size) * halfTangent(aspect);
+    return new Sphere(new Vector3(x, y, z), 1.15 * this.halfHeight(size, aspect) * Math.hypot(1, aspect));
   }
 
   protected axes(turn: number, tilt: number): { right: Vector3; up: Vector3; back: Vector3 } {
@@ -214,6 +219,8 @@ export class SpaceRig extends Rig {
 
 export class FlatRig extends Rig {
   readonly camera = new OrthographicCamera();
+  protected readonly half = 1;
+  protected readonly deep = 0;
 
   constructor() {
     super([0.5, 0.5, 0, Math.log(0.6), 0, 0]);
@@ -227,37 +234,6 @@ export class FlatRig extends Rig {
     camera.position.set(x, y, 10);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
-  }
-
-  fit(clouds: Cloud[], aspect: number): Pose | null {
-    let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
-    for (const { values, stride } of clouds) {
-      for (let at = 0; at + 1 < values.length; at += stride) {
-        left = Math.min(left, values[at]);
-        right = Math.max(right, values[at]);
-        low = Math.min(low, values[at + 1]);
-        high = Math.max(high, values[at + 1]);
-      }
-    }
-    if (right < left) return null;
-    const half = Math.max((right - left) / aspect / (2 * FILL), (high - low) / (FILL + FILL_TOP), 1e-6);
-    const height = (high - half * FILL_TOP + (low + half * FILL)) / 2;
-    return [(left + right) / 2, height, 0, Math.log(half * Math.min(1, aspect)), 0, 0];
-  }
-
-  reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number {
-    let half = 1e-6;
-    for (const { values, stride } of clouds) {
-      for (let at = 0; at + 1 < values.length; at += stride) {
-        const y = values[at + 1] - pose[1];
-        half = Math.max(half, Math.abs(values[at] - pose[0]) / (aspect * FILL), y / FILL_TOP, -y / FILL);
-      }
-    }
-    return Math.log(half * Math.min(1, aspect));
-  }
-
-  protected halfHeight(size: number, aspect: number): number {
-    return Math.exp(size) / Math.min(1, aspect);
   }
 
   protected axes(): { right: Vector3; up: Vector3; back: Vector3 } {
@@ -276,8 +252,3 @@ export const SIDES: Record<Side, [number, number]> = {
   top: [0, MOST_TILT],
   "three-quarter": THREE_QUARTER,
 };
-
-/** A narrow view shows the same breadth. */
-function halfTangent(aspect: number): number {
-  return Math.tan(HALF_ANGLE) / Math.min(1, aspect);
-}

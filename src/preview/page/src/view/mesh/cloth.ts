@@ -1,23 +1,22 @@
 // A mesh on the graphics card. Triangles are static and point into textures, so that a frame with new positions sends
 // those only.
 
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType } from "three";
-import type { DataTexture, RawShaderMaterial } from "three";
+import { Box3, BufferAttribute, BufferGeometry, Group, Mesh, Sphere } from "three";
+import type { DataTexture, ShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
 import type { LookInfo, MeshHeader } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
-import type { Box } from "./points";
-import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
-import { edgeClasses, fillFaces, Membership, namesDrawn, palette, readSets } from "./sets";
+import { BORDER, HIDDEN } from "../shade/classes";
+import { edgeClasses, fillFaces, Membership, namesDrawn, readSets } from "./sets";
 import { squareOf } from "../shade/checker";
 import { scaleOf } from "../shade/heat";
 import { fillLooks } from "../shade/fabric";
 import { SetLines } from "./setLines";
 import { sourceOf } from "./sources";
 import type { ElementSet } from "./sets";
-import { byteTexture, floatTexture, integers, texture } from "./textures";
+import { byteTexture, floatTexture, integers } from "./textures";
 import { sharesOf } from "./values";
 import type { MeshValues } from "./values";
 import { Edges, startsOf, triangulate } from "./topology";
@@ -32,8 +31,8 @@ export interface Content extends Pick<MeshFrame, "f32" | "u32" | "u8"> {
 export class Cloth {
   /** The triangles and the lines of sets. */
   readonly object = new Group();
-  readonly solid: Mesh<BufferGeometry, RawShaderMaterial>;
-  readonly lines: SetLines;
+  readonly solid: Mesh<BufferGeometry, ShaderMaterial>;
+  readonly lines = new SetLines(this);
   readonly edges: Edges;
   readonly pointCount: number;
   /** x, y, z and an unused number of each point. */
@@ -43,7 +42,7 @@ export class Cloth {
   /** -1 if faces run the other way round, so that normals point inwards. */
   readonly handed: 1 | -1;
   readonly triangles: Triangles;
-  box: Box = { least: [0, 0, 0], most: [0, 0, 0] };
+  box = new Box3();
   /** u, v of each corner, or empty. */
   uvs: Float32Array = new Float32Array(0);
   /** Mean length on the surface of one unit of UV, or 0 if it is not known. */
@@ -67,7 +66,6 @@ export class Cloth {
   #layers: string[] = [];
   /** Known once they are asked for. */
   #lined: string[] | null = null;
-  readonly #palette: DataTexture;
   readonly #geometry = new BufferGeometry();
 
   constructor(
@@ -87,7 +85,6 @@ export class Cloth {
     this.#normalTexture = floatTexture(this.pointCount);
     this.#faceTexture = byteTexture(this.faceCount);
     this.#lookTexture = byteTexture(this.faceCount);
-    this.#palette = texture(new Uint8Array(4 * CLASSES), CLASSES, UnsignedByteType);
     this.points = (this.#pointTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
     this.normals = (this.#normalTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
     this.edges = new Edges(this.faces, this.pointCount);
@@ -98,8 +95,7 @@ export class Cloth {
     this.#addAttributes();
     this.solid = new Mesh(this.#geometry, this.paint.solid);
     this.solid.frustumCulled = false;
-    this.lines = new SetLines(this.paint);
-    this.object.add(this.solid, this.lines.mesh);
+    this.object.add(this.solid, this.lines.object);
     this.#setRest(frame);
     if (!frame.header.sets) this.#paintSets();
   }
@@ -136,7 +132,6 @@ export class Cloth {
 
   /** The colours of sets are others. */
   recolour(): void {
-    this.#paintPalette();
     this.#paintSets();
   }
 
@@ -183,18 +178,19 @@ export class Cloth {
   /** Thickens the first of these edge sets that the mesh has. */
   setHot(names: string[]): void {
     const set = this.sets.find(({ name, kind }) => kind === "edge" && name === names[0]);
-    this.paint.uniforms.uHot.value = set ? set.edgeClass : -1;
+    this.lines.setHot(set ? set.edgeClass : -1);
   }
 
   dispose(): void {
     this.#geometry.dispose();
     this.lines.dispose();
-    for (const map of [this.#pointTexture, this.#normalTexture, this.#faceTexture, this.#lookTexture, this.#palette]) map.dispose();
+    for (const map of [this.#pointTexture, this.#normalTexture, this.#faceTexture, this.#lookTexture]) map.dispose();
   }
 
   #setPoints(points: Float32Array): void {
     this.box = copyPoints(points, this.points);
     computeNormals(this.points, this.faces, this.normals);
+    this.lines.follow();
     this.#pointTexture.needsUpdate = true;
     this.#normalTexture.needsUpdate = true;
   }
@@ -212,7 +208,6 @@ export class Cloth {
       this.sets = readSets(header.sets, frame.u32("elements"));
       this.membership = new Membership(this.sets, this.edges);
       this.#lined = null;
-      this.#paintPalette();
       this.#paintLooks();
       this.#paintSets();
     }
@@ -227,7 +222,7 @@ export class Cloth {
     this.paint.uniforms.uHasUv.value = this.hasUvs;
     this.uvRange = rangeOf(this.uvs);
     this.uvLength = lengthOfUv(this.uvs, this.points, this.faces);
-    this.paint.uniforms.uThreads.value = this.uvLength || 1;
+    this.paint.uniforms.uUvLength.value = this.uvLength || 1;
     if (!this.hasUvs) return;
     const array = this.#attribute("aUv", 2);
     const { corners } = this.triangles;
@@ -259,11 +254,6 @@ export class Cloth {
     this.#lookTexture.needsUpdate = true;
   }
 
-  #paintPalette(): void {
-    (this.#palette.image.data as Uint8Array).set(palette(this.sets));
-    this.#palette.needsUpdate = true;
-  }
-
   #paintSets(): void {
     fillFaces(this.#faceTexture.image.data as Uint8Array, this.sets, this.#highlighted);
     this.#faceTexture.needsUpdate = true;
@@ -271,7 +261,7 @@ export class Cloth {
     const attribute = this.#geometry.getAttribute("aEdges") as BufferAttribute;
     this.#fillEdges(attribute.array as Uint8Array, classes);
     attribute.needsUpdate = true;
-    this.lines.set(this, classes);
+    this.lines.set(classes);
   }
 
   /** Classes of the edges of each triangle: first to second corner, second to third, third to first. */
@@ -331,7 +321,6 @@ export class Cloth {
     uniforms.uPoints.value = this.#pointTexture;
     uniforms.uNormals.value = this.#normalTexture;
     uniforms.uFaces.value = this.#faceTexture;
-    uniforms.uPalette.value = this.#palette;
     uniforms.uLooks.value = this.#lookTexture;
     uniforms.uHanded.value = this.handed;
     uniforms.uHasUv.value = false;

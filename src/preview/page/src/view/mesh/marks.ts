@@ -1,112 +1,22 @@
-// Markers on cloth: points as dots, edges as thick lines, faces tinted. Sizes are in pixels.
+// Markers on cloth: points as dots, edges as thick lines, faces tinted. Sizes are in CSS pixels.
 
 import {
   BufferAttribute,
   BufferGeometry,
+  CanvasTexture,
+  Color,
   DoubleSide,
-  GLSL3,
   GreaterDepth,
   Group,
-  InstancedBufferAttribute,
-  InstancedBufferGeometry,
   LessEqualDepth,
   Mesh,
+  MeshBasicMaterial,
   Points,
-  RawShaderMaterial,
-  Vector2,
-  Vector3,
+  PointsMaterial,
 } from "three";
-import type { DepthModes, IUniform, Object3D } from "three";
+import type { MaterialParameters, Texture } from "three";
 import type { Rgb } from "../shade/colours";
-import { LINE_QUAD, LINE_REACH } from "../shade/lineShader";
-
-const HEADER = /* glsl */ `
-precision highp float;
-uniform mat4 modelViewMatrix;
-uniform mat4 projectionMatrix;
-uniform float uPixel;
-uniform float uStrength;
-uniform vec3 uColour;
-`;
-
-// Nearer to the eye by a few pixels, as marks lie in the surface.
-const NEARER = /* glsl */ `
-vec4 nearer(vec4 view, float height) {
-  if (projectionMatrix[3][3] != 0.0) return view + vec4(0.0, 0.0, 0.01, 0.0);
-  float bias = 6.0 * uPixel * -view.z / (projectionMatrix[1][1] * height);
-  view.xyz *= 1.0 - bias / max(length(view.xyz), 2.0 * bias);
-  return view;
-}
-`;
-
-const DOT_VERTEX = /* glsl */ `${HEADER}
-uniform vec2 uView;
-in vec3 position;
-${NEARER}
-void main() {
-  gl_Position = projectionMatrix * nearer(modelViewMatrix * vec4(position, 1.0), uView.y);
-  gl_PointSize = 14.0 * uPixel;
-}
-`;
-
-const DOT_FRAGMENT = /* glsl */ `${HEADER}
-out vec4 colour;
-void main() {
-  float r = length(gl_PointCoord - 0.5) * 14.0;
-  float outer = clamp((6.5 - r) * uPixel + 0.5, 0.0, 1.0);
-  float inner = clamp((4.6 - r) * uPixel + 0.5, 0.0, 1.0);
-  colour = vec4(mix(vec3(0.08), uColour, inner), uStrength * outer * mix(0.75, 1.0, inner));
-}
-`;
-
-const LINE_VERTEX = /* glsl */ `
-precision highp float;
-uniform mat4 modelViewMatrix;
-uniform float uPixel;
-uniform float uWidth;
-in vec3 from;
-in vec3 to;
-${LINE_QUAD}
-${NEARER}
-void main() {
-  vec4 a = nearer(modelViewMatrix * vec4(from, 1.0), uView.y);
-  vec4 b = nearer(modelViewMatrix * vec4(to, 1.0), uView.y);
-  lineQuad(a, b, (0.5 * uWidth + 2.0) * uPixel);
-}
-`;
-
-// The rims of all lines are below the lines, so that the joints of short ones are not seen.
-const LINE_FRAGMENT = /* glsl */ `${HEADER}
-uniform float uWidth;
-uniform bool uRim;
-out vec4 colour;
-${LINE_REACH}
-void main() {
-  float r = lineReach() / uPixel;
-  float cover = clamp((0.5 * uWidth + (uRim ? 1.2 : 0.0) - r) * uPixel + 0.5, 0.0, 1.0);
-  if (cover <= 0.0) discard;
-  colour = uRim ? vec4(vec3(0.08), 0.55 * uStrength * cover) : vec4(uColour, uStrength * cover);
-}
-`;
-
-const FILL_VERTEX = /* glsl */ `${HEADER}
-uniform vec2 uView;
-in vec3 position;
-${NEARER}
-void main() {
-  gl_Position = projectionMatrix * nearer(modelViewMatrix * vec4(position, 1.0), uView.y);
-}
-`;
-
-const FILL_FRAGMENT = /* glsl */ `${HEADER}
-out vec4 colour;
-void main() {
-  colour = vec4(uColour, 0.38 * uStrength);
-}
-`;
-
-/** Corners of a line's quad. */
-export const QUAD = new Float32Array([0, -1, 1, -1, 1, 1, 0, -1, 1, 1, 0, 1]);
+import { lift, lineMaterial, Lines, type Eye } from "./lines";
 
 /** Places as x, y, z; of segments both ends, of triangles three corners. */
 export interface Shapes {
@@ -118,94 +28,91 @@ export interface Shapes {
 /** How much of marks is seen behind cloth: all, or little. */
 export const THROUGH = 1;
 export const FAINT = 0.12;
+const DOT = 14;
+const RIM: Rgb = [0.08, 0.08, 0.08];
+/** White, with a dark rim. */
+const DISC = disc();
 
 export class Marks {
   readonly object = new Group();
-  readonly #uniforms: Record<string, IUniform>;
+  readonly #layers: Layer[];
 
-  constructor(
-    colour: Rgb,
-    width: number,
-    private readonly behind: number,
-  ) {
-    this.#uniforms = {
-      uView: { value: new Vector2(1, 1) },
-      uPixel: { value: 1 },
-      uColour: { value: new Vector3(...colour) },
-      uWidth: { value: width },
-    };
+  constructor(colour: Rgb, width: number, behind: number) {
+    const faint = { depthFunc: GreaterDepth, opacity: behind };
+    const kinds = behind === THROUGH ? [{ depthTest: false }] : [faint, { depthFunc: LessEqualDepth }];
+    this.#layers = kinds.map((kind) => new Layer(kind, width));
+    this.object.add(...this.#layers);
+    this.#layers.flatMap(({ children }) => children).forEach((child, at) => (child.renderOrder = 10 + at));
+    this.setColour(colour);
   }
 
   setColour(colour: Rgb): void {
-    (this.#uniforms.uColour.value as Vector3).set(...colour);
+    for (const { own } of this.#layers) for (const { color } of own) color.setRGB(...colour);
   }
 
-  /** Sizes of the view. [device pixels] */
-  setView(width: number, height: number, ratio: number): void {
-    (this.#uniforms.uView.value as Vector2).set(width, height);
-    this.#uniforms.uPixel.value = ratio;
+  /** `ratio` is the device pixels of a CSS pixel, as a share of those of the canvas. */
+  setEye(eye: Eye, ratio: number): void {
+    lift(this.object, eye, 3);
+    for (const { dots } of this.#layers) dots.material.size = DOT * ratio;
   }
 
   set(shapes: Shapes): void {
-    this.clear();
-    const { points, segments, triangles } = shapes;
-    for (const depth of this.behind === THROUGH ? [null] : [GreaterDepth, LessEqualDepth]) {
-      const material = (vertex: string, fragment: string, rim = false) => this.#material(vertex, fragment, depth, rim);
-      if (triangles.length) this.#add(new Mesh(plain(triangles), material(FILL_VERTEX, FILL_FRAGMENT)));
-      if (segments.length) this.#add(new Mesh(quads(segments), material(LINE_VERTEX, LINE_FRAGMENT, true)));
-      if (segments.length) this.#add(new Mesh(quads(segments), material(LINE_VERTEX, LINE_FRAGMENT)));
-      if (points.length) this.#add(new Points(plain(points), material(DOT_VERTEX, DOT_FRAGMENT)));
-    }
+    for (const layer of this.#layers) layer.set(shapes);
   }
 
   clear(): void {
-    for (const child of [...this.object.children] as Mesh<BufferGeometry, RawShaderMaterial>[]) {
-      child.geometry.dispose();
-      child.material.dispose();
-      this.object.remove(child);
-    }
-  }
-
-  #add(object: Object3D): void {
-    object.frustumCulled = false;
-    object.renderOrder = 10 + this.object.children.length;
-    this.object.add(object);
-  }
-
-  /** `depth` chooses what is before the cloth, or behind it; null is both. */
-  #material(
-    vertexShader: string,
-    fragmentShader: string,
-    depth: DepthModes | null,
-    isRim: boolean,
-  ): RawShaderMaterial {
-    return new RawShaderMaterial({
-      vertexShader,
-      fragmentShader,
-      uniforms: { ...this.#uniforms, uStrength: { value: depth === GreaterDepth ? this.behind : 1 }, uRim: { value: isRim } },
-      glslVersion: GLSL3,
-      side: DoubleSide,
-      forceSinglePass: true,
-      transparent: true,
-      depthTest: depth !== null,
-      depthFunc: depth ?? LessEqualDepth,
-      depthWrite: false,
-    });
+    this.set({ points: [], segments: [], triangles: [] });
   }
 }
 
-function plain(places: number[]): BufferGeometry {
-  return new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+/** What is before the cloth, behind it, or both. */
+class Layer extends Group {
+  readonly dots: Points<BufferGeometry, PointsMaterial>;
+  readonly #fill: Mesh<BufferGeometry, MeshBasicMaterial>;
+  // The rims of all lines are below the lines, so that the joints of short ones are not seen.
+  readonly #rims: Lines;
+  readonly #lines: Lines;
+
+  constructor({ opacity = 1, ...kind }: MaterialParameters, width: number) {
+    super();
+    const shared = { ...kind, transparent: true, depthWrite: false };
+    const fill = new MeshBasicMaterial({ ...shared, opacity: 0.38 * opacity, side: DoubleSide });
+    this.#fill = new Mesh(new BufferGeometry(), fill);
+    this.#rims = new Lines(lineMaterial({ ...shared, opacity: 0.55 * opacity, linewidth: width + 2.4, color: new Color(...RIM) }));
+    this.#lines = new Lines(lineMaterial({ ...shared, opacity, linewidth: width }));
+    this.dots = new Points(new BufferGeometry(), new PointsMaterial({ ...shared, opacity, map: DISC, sizeAttenuation: false }));
+    for (const each of [this.#fill, this.dots]) each.frustumCulled = false;
+    this.add(this.#fill, this.#rims, this.#lines, this.dots);
+  }
+
+  /** Materials of the colour of the marks. */
+  get own(): { color: Color }[] {
+    return [this.#fill.material, this.#lines.material, this.dots.material];
+  }
+
+  set({ points, segments, triangles }: Shapes): void {
+    place(this.#fill, triangles);
+    place(this.dots, points);
+    for (const lines of [this.#rims, this.#lines]) lines.set(new Float32Array(segments));
+  }
 }
 
-function quads(segments: number[]): InstancedBufferGeometry {
-  const geometry = new InstancedBufferGeometry();
-  const ends = new Float32Array(segments);
-  const every = (first: number): Float32Array => ends.filter((_, at) => at % 6 >= first && at % 6 < first + 3);
-  geometry.setAttribute("corner", new BufferAttribute(QUAD, 2));
-  geometry.setDrawRange(0, 6);
-  geometry.setAttribute("from", new InstancedBufferAttribute(every(0), 3));
-  geometry.setAttribute("to", new InstancedBufferAttribute(every(3), 3));
-  geometry.instanceCount = segments.length / 6;
-  return geometry;
+function place(object: Mesh | Points, places: number[]): void {
+  object.geometry.dispose();
+  object.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(places), 3));
+  object.visible = places.length > 0;
+}
+
+function disc(): Texture {
+  const side = 4 * DOT;
+  const canvas = new OffscreenCanvas(side, side);
+  const context = canvas.getContext("2d") as OffscreenCanvasRenderingContext2D;
+  context.translate(side / 2, side / 2);
+  for (const [radius, style] of [[26, "#141414c0"], [18.4, "#fff"]] as const) {
+    context.beginPath();
+    context.fillStyle = style;
+    context.arc(0, 0, radius, 0, 2 * Math.PI);
+    context.fill();
+  }
+  return new CanvasTexture(canvas);
 }

@@ -11,61 +11,32 @@ export function computeNormals(points: Float32Array, faces: Faces, normals: Floa
   addCurvature(points, faces, normals);
 }
 
+/** The sum of the fan's cross products is twice the area. */
 function addFaceNormals(p: Float32Array, { starts, corners }: Faces, n: Float32Array): void {
   for (let face = 0; face + 1 < starts.length; face++) {
-    const first = starts[face];
-    const size = starts[face + 1] - first;
-    if (size === 4) addQuad(p, n, corners, first);
-    else addFan(p, n, corners, first, size);
+    const end = starts[face + 1];
+    const a = 4 * corners[starts[face]];
+    let [x, y, z] = [0, 0, 0];
+    for (let corner = starts[face] + 1; corner + 1 < end; corner++) {
+      const b = 4 * corners[corner];
+      const c = 4 * corners[corner + 1];
+      const ux = p[b] - p[a];
+      const uy = p[b + 1] - p[a + 1];
+      const uz = p[b + 2] - p[a + 2];
+      const vx = p[c] - p[a];
+      const vy = p[c + 1] - p[a + 1];
+      const vz = p[c + 2] - p[a + 2];
+      x += uy * vz - uz * vy;
+      y += uz * vx - ux * vz;
+      z += ux * vy - uy * vx;
+    }
+    for (let corner = starts[face]; corner < end; corner++) {
+      const at = 4 * corners[corner];
+      n[at] += x;
+      n[at + 1] += y;
+      n[at + 2] += z;
+    }
   }
-}
-
-/** The cross product of the diagonals is twice the area. */
-function addQuad(p: Float32Array, n: Float32Array, corners: Uint32Array, first: number): void {
-  const a = 4 * corners[first];
-  const b = 4 * corners[first + 1];
-  const c = 4 * corners[first + 2];
-  const d = 4 * corners[first + 3];
-  const ux = p[c] - p[a];
-  const uy = p[c + 1] - p[a + 1];
-  const uz = p[c + 2] - p[a + 2];
-  const vx = p[d] - p[b];
-  const vy = p[d + 1] - p[b + 1];
-  const vz = p[d + 2] - p[b + 2];
-  const x = uy * vz - uz * vy;
-  const y = uz * vx - ux * vz;
-  const z = ux * vy - uy * vx;
-  add(n, a, x, y, z);
-  add(n, b, x, y, z);
-  add(n, c, x, y, z);
-  add(n, d, x, y, z);
-}
-
-function addFan(p: Float32Array, n: Float32Array, corners: Uint32Array, first: number, size: number): void {
-  const a = 4 * corners[first];
-  let x = 0;
-  let y = 0;
-  let z = 0;
-  for (let step = 1; step + 1 < size; step++) {
-    const b = 4 * corners[first + step];
-    const c = 4 * corners[first + step + 1];
-    const ux = p[b] - p[a];
-    const uy = p[b + 1] - p[a + 1];
-    const uz = p[b + 2] - p[a + 2];
-    const vx = p[c] - p[a];
-    const vy = p[c + 1] - p[a + 1];
-    const vz = p[c + 2] - p[a + 2];
-    x += uy * vz - uz * vy;
-    y += uz * vx - ux * vz;
-    z += ux * vy - uy * vx;
-  }
-  for (let step = 0; step < size; step++) add(n, 4 * corners[first + step], x, y, z);
-}
-
-function add(n: Float32Array, at: number, x: number, y: number, z: number): void {
-  n[at] += x;
-  n[at + 1] += y;
-  n[at + 2] += z;
 }
 
 function normalise(n: Float32Array): void {

@@ -1,29 +1,15 @@
 // Positions as the textures hold them: x, y, z and an unused number.
 
-export interface Box {
-  least: [number, number, number];
-  most: [number, number, number];
-}
+import { Box3 } from "three";
 
 /** Copies x, y, z to every fourth number, and returns their bounds. */
-export function copyPoints(from: Float32Array, to: Float32Array): Box {
-  let [left, low, back] = [Infinity, Infinity, Infinity];
-  let [right, high, front] = [-Infinity, -Infinity, -Infinity];
+export function copyPoints(from: Float32Array, to: Float32Array): Box3 {
   for (let at = 0, point = 0; at + 2 < from.length; at += 3, point += 4) {
-    const x = from[at];
-    const y = from[at + 1];
-    const z = from[at + 2];
-    to[point] = x;
-    to[point + 1] = y;
-    to[point + 2] = z;
-    if (x < left) left = x;
-    if (x > right) right = x;
-    if (y < low) low = y;
-    if (y > high) high = y;
-    if (z < back) back = z;
-    if (z > front) front = z;
+    to[point] = from[at];
+    to[point + 1] = from[at + 1];
+    to[point + 2] = from[at + 2];
   }
-  return { least: [left, low, back], most: [right, high, front] };
+  return new Box3().setFromArray(from);
 }
 
 /** The sum of all coordinates. */

@@ -1,88 +1,144 @@
-// The edge sets of a mesh as lines. They read their ends from the mesh's texture, so that they follow it.
+// The edge sets of a mesh as lines, in space and on the UV plane.
 
-import { BufferAttribute, InstancedBufferAttribute, InstancedBufferGeometry, IntType, Mesh, Sphere } from "three";
-import type { RawShaderMaterial } from "three";
-import { QUAD } from "./marks";
-import type { Paint } from "../shade/paint";
+import { Color, Group } from "three";
+import { ACCENT, setColour } from "../shade/colours";
+import type { Rgb } from "../shade/colours";
 import { HIGHLIGHTED } from "../shade/classes";
+import { lift, lineMaterial, Lines, type Eye } from "./lines";
+import type { ElementSet } from "./sets";
 import { nextCorner } from "./topology";
 import type { Edges, Faces } from "./topology";
 
 interface Source {
   faces: Faces;
   edges: Edges;
+  points: Float32Array;
   uvs: Float32Array;
+  sets: ElementSet[];
   isDrawn(face: number): boolean;
 }
 
+/** How they are drawn. */
+export interface LineStyle {
+  flat: boolean;
+  /** All sets, or highlighted ones alone. */
+  hasSets: boolean;
+  /** How far the mesh lies over another one, as a share of its distance. */
+  over: number;
+}
+
+/** Both corners of an edge, and its class. Each face has its own, as in the flat view it is elsewhere. */
+type Line = [corner: number, next: number, edgeClass: number];
+
+// They outlive meshes, as a program is compiled anew when its last material goes.
+const PLAIN = lineMaterial({ linewidth: 2.5, vertexColors: true });
+const HOT = lineMaterial({ linewidth: 4, color: new Color(...ACCENT) });
+
+/** Lines of one look in one of the ways in which the mesh is seen. They are made once they are drawn. */
+class SetLine extends Lines {
+  stale: "points" | "all" | null = null;
+}
+
+/** In space, or on the UV plane. */
+class Way extends Group {
+  readonly plain = new SetLine(PLAIN);
+  readonly hot = new SetLine(HOT);
+
+  constructor() {
+    super();
+    this.add(this.plain, this.hot);
+  }
+}
+
 export class SetLines {
-  readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
+  readonly object = new Group();
+  readonly #space = new Way();
+  readonly #plane = new Way();
+  #lines: Line[] = [];
+  #hotClass = -1;
+  #plain: Line[] = [];
+  #hot: Line[] = [];
 
-  constructor(private readonly paint: Paint) {
-    this.mesh = new Mesh(emptyLines(), paint.lines);
-    this.mesh.frustumCulled = false;
+  constructor(private readonly source: Source) {
+    this.object.add(this.#space, this.#plane);
   }
 
-  /** Whether the mesh lies over another one. */
-  setOver(over: boolean): void {
-    this.paint.uniforms.uOver.value = over;
-    this.mesh.renderOrder = over ? 5 : 1;
+  /** Takes the edges of which the class is that of a set. */
+  set(classes: Uint8Array): void {
+    this.#lines = linesOf(this.source, classes);
+    this.#sort();
   }
 
-  setVisible(visible: boolean): void {
-    this.mesh.visible = visible && this.mesh.geometry.instanceCount > 0;
+  /** Thickens the edges of a class, too. */
+  setHot(edgeClass: number): void {
+    if (edgeClass === this.#hotClass) return;
+    this.#hotClass = edgeClass;
+    this.#sort();
   }
 
-  /** Takes the edges of which the class is that of a set. Each face has its own line, as in the flat view it is
-   *  elsewhere. */
-  set(source: Source, classes: Uint8Array): void {
-    const corners = cornersOfSets(source, classes);
-    const ends = new Uint32Array(2 * corners.length);
-    const uvs = new Float32Array(4 * corners.length);
-    corners.forEach(([corner, next], at) => {
-      ends[2 * at] = source.faces.corners[corner];
-      ends[2 * at + 1] = source.faces.corners[next];
-      if (source.uvs.length === 0) return;
-      uvs.set(source.uvs.subarray(2 * corner, 2 * corner + 2), 4 * at);
-      uvs.set(source.uvs.subarray(2 * next, 2 * next + 2), 4 * at + 2);
-    });
-    this.mesh.geometry.dispose();
-    this.mesh.geometry = emptyLines();
-    this.#add("aEnds", ends, 2);
-    this.#add("aUvs", uvs, 4);
-    this.#add("aClass", Uint8Array.from(corners, ([corner]) => classes[source.edges.ofCorner[corner]]), 1);
-    this.mesh.geometry.instanceCount = corners.length;
+  #sort(): void {
+    const isHot = ([, , each]: Line) => each === HIGHLIGHTED || each === this.#hotClass;
+    this.#plain = this.#lines.filter((line) => !isHot(line));
+    this.#hot = this.#lines.filter(isHot);
+    for (const { plain, hot } of [this.#space, this.#plane]) plain.stale = hot.stale = "all";
+  }
+
+  /** The points of the mesh have moved. */
+  follow(): void {
+    for (const lines of [this.#space.plain, this.#space.hot]) lines.stale ??= "points";
+  }
+
+  /** Returns whether there is a line. */
+  show(eye: Eye, { flat, hasSets, over }: LineStyle): boolean {
+    [this.#space.visible, this.#plane.visible] = [!flat, flat];
+    const { plain, hot } = flat ? this.#plane : this.#space;
+    PLAIN.visible = hasSets;
+    for (const [lines, all, pixels] of [[plain, this.#plain, 2.5], [hot, this.#hot, 3.5]] as const) {
+      if (lines.stale && (hasSets || lines === hot)) this.#fill(lines, all, flat);
+      lift(lines, eye, pixels, over);
+      lines.renderOrder = over > 0 ? 5 : 1;
+    }
+    return (hasSets && plain.visible) || hot.visible;
+  }
+
+  #fill(lines: SetLine, all: Line[], flat: boolean): void {
+    const hasColours = lines.stale === "all" && lines.material === PLAIN;
+    lines.set(this.#ends(all, flat), hasColours ? this.#colours(all) : undefined);
+    lines.stale = null;
+  }
+
+  #ends(lines: Line[], flat: boolean): Float32Array {
+    const { faces, points, uvs } = this.source;
+    const ends = new Float32Array(6 * lines.length);
+    const put = (corner: number, at: number) => {
+      const from = flat ? 2 * corner : 4 * faces.corners[corner];
+      ends.set((flat ? uvs : points).subarray(from, from + (flat ? 2 : 3)), at);
+    };
+    lines.forEach(([corner, next], at) => (put(corner, 6 * at), put(next, 6 * at + 3)));
+    return ends;
+  }
+
+  #colours(lines: Line[]): Float32Array {
+    const byClass = new Map(this.source.sets.map(({ name, edgeClass }) => [edgeClass, setColour(name)]));
+    const ends = (colour: Rgb) => [...colour, ...colour];
+    return Float32Array.from(lines.flatMap(([, , edgeClass]) => ends(byClass.get(edgeClass) ?? ACCENT)));
   }
 
   dispose(): void {
-    this.mesh.geometry.dispose();
-  }
-
-  #add(name: string, array: Uint32Array | Uint8Array | Float32Array, size: number): void {
-    const attribute = new InstancedBufferAttribute(array, size);
-    if (!(array instanceof Float32Array)) attribute.gpuType = IntType;
-    this.mesh.geometry.setAttribute(name, attribute);
+    for (const { plain, hot } of [this.#space, this.#plane]) [plain, hot].forEach(({ geometry }) => geometry.dispose());
   }
 }
 
-function cornersOfSets(source: Source, classes: Uint8Array): [number, number][] {
+function linesOf(source: Source, classes: Uint8Array): Line[] {
   const { faces, edges } = source;
-  const found: [number, number][] = [];
+  const found: Line[] = [];
   for (let face = 0; face + 1 < faces.starts.length; face++) {
     if (!source.isDrawn(face)) continue;
     for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
-      const isSet = classes[edges.ofCorner[corner]] >= HIGHLIGHTED;
-      if (isSet && (!faces.shown || faces.shown[corner])) found.push([corner, nextCorner(faces, face, corner)]);
+      const edgeClass = classes[edges.ofCorner[corner]];
+      const isShown = !faces.shown || faces.shown[corner];
+      if (edgeClass >= HIGHLIGHTED && isShown) found.push([corner, nextCorner(faces, face, corner), edgeClass]);
     }
   }
   return found;
-}
-
-function emptyLines(): InstancedBufferGeometry {
-  const geometry = new InstancedBufferGeometry();
-  geometry.setAttribute("corner", new BufferAttribute(QUAD, 2));
-  geometry.setDrawRange(0, 6);
-  geometry.instanceCount = 0;
-  geometry.boundingSphere = new Sphere();
-  return geometry;
 }

@@ -52,15 +52,6 @@ export function namesDrawn(edges: Edges, sets: ElementSet[]): string[] {
   return sets.filter(({ kind, edgeClass }) => kind === "edge" && drawn.has(edgeClass)).map(({ name }) => name);
 }
 
-/** Colours of classes, as bytes. */
-export function palette(sets: ElementSet[]): Uint8Array {
-  const colours = new Uint8Array(4 * CLASSES);
-  for (const { name, edgeClass } of sets) {
-    if (edgeClass >= FIRST_SET) colours.set(setColour(name).map(bytes), 4 * edgeClass);
-  }
-  return colours;
-}
-
 /** Fills the table of faces: the colour of the last set of each, and flags. */
 export function fillFaces(table: Uint8Array, sets: ElementSet[], highlighted: ReadonlySet<string>): void {
   table.fill(0);

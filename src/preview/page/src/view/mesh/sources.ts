@@ -1,5 +1,6 @@
 // Elements of the model on a mesh that was made of it, by the model's face of each of its faces.
 
+import { Line3, Vector3 } from "three";
 import type { Cloth } from "./cloth";
 import { ownerOf } from "./shapes";
 import type { Elements } from "./shapes";
@@ -133,12 +134,14 @@ class Drawn {
   /** Edges of one face beside the segment from a to b; a face may have several borders. */
   #onBorder(sides: number[], a: number, b: number): [number, number][] {
     const [p, q] = [placeOf(this.model, a), placeOf(this.model, b)];
-    const reach = 0.35 * distance(p, q);
+    const segment = new Line3(p, q);
+    const reach = 0.35 * segment.distance();
     const found: [number, number][] = [];
     this.#eachEdge(new Set(sides), (edge, pair) => {
       const [s, t] = pair.map((point) => placeOf(this.mesh, point));
-      const middle = s.map((value, axis) => (value + t[axis]) / 2);
-      if (this.mesh.edges.uses[edge] === 1 && toSegment(middle, p, q) < reach) found.push(pair);
+      const middle = s.add(t).multiplyScalar(0.5);
+      const beside = segment.closestPointToPoint(middle, true, new Vector3());
+      if (this.mesh.edges.uses[edge] === 1 && beside.distanceTo(middle) < reach) found.push(pair);
     });
     return found;
   }
@@ -163,7 +166,7 @@ class Drawn {
     const parts = [...this.#of(point)].flatMap((face) => this.#parts.get(face) ?? []);
     let [least, found] = [Infinity, -1];
     const look = (candidate: number): void => {
-      const far = distance(at, placeOf(this.mesh, candidate));
+      const far = at.distanceTo(placeOf(this.mesh, candidate));
       if (far < least) [least, found] = [far, candidate];
     };
     for (const face of parts) faces.corners.subarray(faces.starts[face], faces.starts[face + 1]).forEach(look);
@@ -172,21 +175,6 @@ class Drawn {
   }
 }
 
-function placeOf(cloth: Cloth, point: number): number[] {
-  return [...cloth.points.subarray(4 * point, 4 * point + 3)];
-}
-
-function distance(a: number[], b: number[]): number {
-  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-}
-
-function toSegment(p: number[], a: number[], b: number[]): number {
-  const along = b.map((value, axis) => value - a[axis]);
-  const square = along.reduce((sum, value) => sum + value * value, 0);
-  const dot = along.reduce((sum, value, axis) => sum + value * (p[axis] - a[axis]), 0);
-  const t = square > 0 ? Math.min(1, Math.max(0, dot / square)) : 0;
-  return distance(
-    p,
-    a.map((value, axis) => value + t * along[axis]),
-  );
+function placeOf(cloth: Cloth, point: number): Vector3 {
+  return new Vector3().fromArray(cloth.points, 4 * point);
 }

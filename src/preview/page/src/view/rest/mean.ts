@@ -1,38 +1,24 @@
 // The mean of the samples, in numbers finer than those of the screen.
 
 import {
-  BufferAttribute,
-  BufferGeometry,
-  Camera,
   ConstantAlphaFactor,
   CustomBlending,
-  GLSL3,
   HalfFloatType,
-  Mesh,
   NearestFilter,
   NoBlending,
   OneMinusConstantAlphaFactor,
-  RawShaderMaterial,
+  ShaderMaterial,
   WebGLRenderTarget,
 } from "three";
 import type { WebGLRenderer } from "three";
-
-const VERTEX = /* glsl */ `
-precision highp float;
-in vec2 corner;
-void main() {
-  gl_Position = vec4(corner, 0.0, 1.0);
-}
-`;
+import { FullScreenQuad } from "three/examples/jsm/postprocessing/Pass.js";
 
 // What is no number would stay in the mean.
 const FRAGMENT = /* glsl */ `
-precision highp float;
 uniform sampler2D uPicture;
-out vec4 colour;
 void main() {
   vec4 c = texelFetch(uPicture, ivec2(gl_FragCoord.xy), 0);
-  colour = vec4(c == c ? c : vec4(0.0));
+  gl_FragColor = vec4(c == c ? c : vec4(0.0));
 }
 `;
 
@@ -40,9 +26,9 @@ export class Mean {
   /** The newest sample. */
   readonly sample: WebGLRenderTarget;
   readonly #sum: WebGLRenderTarget;
-  readonly #add = quad(true);
-  readonly #copy = quad(false);
-  readonly #camera = new Camera();
+  readonly #add = copier(true);
+  readonly #copy = copier(false);
+  readonly #quad = new FullScreenQuad();
   #count = 0;
 
   /** Sizes in device pixels. */
@@ -67,24 +53,25 @@ export class Mean {
 
   /** Adds what was drawn to `sample`. */
   add(): void {
-    const { renderer } = this;
-    renderer.setRenderTarget(this.#sum);
-    if (this.#count === 0) renderer.clear();
     this.#count += 1;
-    this.#add.material.blendAlpha = 1 / this.#count;
-    this.#add.material.uniforms.uPicture.value = this.sample.texture;
-    renderer.render(this.#add, this.#camera);
-    renderer.setRenderTarget(null);
+    this.#add.blendAlpha = 1 / this.#count;
+    this.#draw(this.#add, this.sample, this.#sum);
   }
 
   /** Draws the mean on the canvas, or to a target of the same size. */
   show(target: WebGLRenderTarget | null): void {
-    const { renderer } = this;
-    renderer.setRenderTarget(target);
-    if (!target) renderer.setViewport(0, 0, this.width / renderer.getPixelRatio(), this.height / renderer.getPixelRatio());
-    this.#copy.material.uniforms.uPicture.value = this.#sum.texture;
-    renderer.render(this.#copy, this.#camera);
-    renderer.setRenderTarget(null);
+    const ratio = this.renderer.getPixelRatio();
+    if (!target) this.renderer.setViewport(0, 0, this.width / ratio, this.height / ratio);
+    this.#draw(this.#copy, this.#sum, target);
+  }
+
+  #draw(material: ShaderMaterial, from: WebGLRenderTarget, to: WebGLRenderTarget | null): void {
+    material.uniforms.uPicture.value = from.texture;
+    this.#quad.material = material;
+    this.renderer.setRenderTarget(to);
+    if (to === this.#sum && this.#count === 1) this.renderer.clear();
+    this.#quad.render(this.renderer);
+    this.renderer.setRenderTarget(null);
   }
 
   dispose(): void {
@@ -94,11 +81,10 @@ export class Mean {
 }
 
 /** Covers all of a target. */
-function quad(adds: boolean): Mesh<BufferGeometry, RawShaderMaterial> {
-  const material = new RawShaderMaterial({
-    vertexShader: VERTEX,
+function copier(adds: boolean): ShaderMaterial {
+  return new ShaderMaterial({
+    vertexShader: "void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }",
     fragmentShader: FRAGMENT,
-    glslVersion: GLSL3,
     uniforms: { uPicture: { value: null } },
     depthTest: false,
     depthWrite: false,
@@ -106,10 +92,4 @@ function quad(adds: boolean): Mesh<BufferGeometry, RawShaderMaterial> {
     blendSrc: ConstantAlphaFactor,
     blendDst: OneMinusConstantAlphaFactor,
   });
-  const corners = new BufferAttribute(new Float32Array([-1, -1, 3, -1, -1, 3]), 2);
-  const geometry = new BufferGeometry().setAttribute("corner", corners);
-  geometry.setDrawRange(0, 3);
-  const mesh = new Mesh(geometry, material);
-  mesh.frustumCulled = false;
-  return mesh;
 }

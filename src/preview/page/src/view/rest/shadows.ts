@@ -11,7 +11,7 @@ import {
   Vector4,
   WebGLRenderTarget,
 } from "three";
-import type { Camera, IUniform, WebGLRenderer } from "three";
+import type { Camera, IUniform, Sphere, WebGLRenderer } from "three";
 import type { Cloth } from "../mesh/cloth";
 import { LIGHT_AXIS, LIGHTS } from "./samples";
 import type { Sample } from "./samples";
@@ -24,12 +24,6 @@ const STRENGTH = 0.62;
 const DEPTH = 2.02;
 /** The widest blur of the edge of a shadow, likewise. */
 const BLUR = 0.06;
-
-/** A sphere: of all cloth, or of what is in view. */
-export interface Ball {
-  centre: Vector3;
-  radius: number;
-}
 
 export class Shadows {
   readonly #maps = [...Array(LIGHTS)].map(depthMap);
@@ -50,8 +44,8 @@ export class Shadows {
   }
 
   /** Draws the maps of a sample, one in each step. `view` is what the eye sees of all cloth. */
-  *cast(cloth: Cloth, { number, lights, shade }: Sample, eye: Camera, all: Ball, view: Ball): Generator<void> {
-    const ball = view.radius < all.radius ? view : { ...view, ...all };
+  *cast(cloth: Cloth, { number, lights, shade }: Sample, eye: Camera, all: Sphere, view: Sphere): Generator<void> {
+    const ball = view.radius < all.radius ? view : all;
     for (const [at, light] of lights.entries()) {
       this.#aim(light.clone().transformDirection(eye.matrixWorld), all, ball);
       this.#draw(this.#maps[at], cloth);
@@ -67,10 +61,10 @@ export class Shadows {
   }
 
   /** All cloth is between the planes, since what is out of view has shadows too. */
-  #aim(light: Vector3, all: Ball, { centre, radius }: Ball): void {
+  #aim(light: Vector3, all: Sphere, { center, radius }: Sphere): void {
     const camera = this.#camera;
-    const depth = all.centre.clone().sub(centre).dot(light);
-    camera.position.copy(centre).addScaledVector(light, depth + 0.5 * DEPTH * all.radius);
+    const depth = all.center.clone().sub(center).dot(light);
+    camera.position.copy(center).addScaledVector(light, depth + 0.5 * DEPTH * all.radius);
     camera.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), light));
     Object.assign(camera, { left: -radius, right: radius, top: radius, bottom: -radius });
     Object.assign(camera, { near: 0, far: DEPTH * all.radius });

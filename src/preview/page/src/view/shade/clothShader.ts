@@ -4,7 +4,6 @@ import { ABOUT_IDEAL, HEAT } from "./heat";
 import { BORDER } from "./classes";
 import { CLOTH, IMAGE, ROUGHNESS } from "./fabric";
 import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
-import { WEAVE_CODE } from "./weaveShader";
 
 /** The terms of a polynomial from the highest, as code. */
 const heatTerms = [...HEAT]
@@ -14,16 +13,7 @@ const heatTerms = [...HEAT]
 
 const [below, ideal, above] = ABOUT_IDEAL.map((colour) => `vec3(${colour.map((value) => value.toFixed(3)).join(", ")})`);
 
-const HEADER = /* glsl */ `
-precision highp float;
-precision highp int;
-precision highp sampler2D;
-`;
-
-export const CLOTH_VERTEX = /* glsl */ `${HEADER}
-uniform mat4 modelViewMatrix;
-uniform mat4 projectionMatrix;
-uniform mat3 normalMatrix;
+export const CLOTH_VERTEX = /* glsl */ `
 uniform sampler2D uPoints;
 uniform sampler2D uNormals;
 uniform sampler2D uFaces;
@@ -75,7 +65,7 @@ void main() {
 #endif
 `;
 
-export const CLOTH_FRAGMENT = /* glsl */ `${HEADER}
+export const CLOTH_FRAGMENT = /* glsl */ `
 uniform bool uFlat;
 uniform bool uHasUv;
 uniform bool uHasValues;
@@ -98,10 +88,15 @@ uniform mediump sampler2DArray uImages;
 #endif
 uniform vec3 uColour;
 uniform float uRoughness;
-#ifdef WEAVE
-uniform int uWeave;
-uniform float uThreads;
-uniform float uPitch;
+uniform float uUvLength;
+#ifdef FABRIC
+uniform sampler2D uFabric;
+uniform float uFabricSize;
+#endif
+#ifdef RELIEF
+uniform sampler2D uRelief;
+uniform float uReliefSize;
+uniform bool uHasHeights;
 #endif
 #ifdef SHADOWS
 ${SHADOW_UNIFORMS}#endif
@@ -120,14 +115,6 @@ out vec4 colour;
 const int FACE_SETS = 1;
 const int CHECKER = 2;
 const int VALUES = 3;
-
-vec3 decode(vec3 c) {
-  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
-}
-
-vec3 encode(vec3 c) {
-  return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
-}
 
 vec3 heat(float t) {
   if (uAboutIdeal) return mix(${ideal}, t < 0.5 ? ${below} : ${above}, abs(2.0 * t - 1.0));
@@ -181,6 +168,10 @@ vec3 ownColour() {
 vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
   vec3 base = uOwnColour && uShading == 0 ? ownColour() : uColour;
+#ifdef FABRIC
+  vec3 image = texture(uFabric, vUv * uUvLength / uFabricSize).rgb;
+  if (uHasUv && uShading == 0) base = image;
+#endif
   vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
@@ -198,24 +189,35 @@ vec3 facing(vec3 own, bool front) {
   return agree != agree ? own : normalize(mix(own, smoothed, smoothstep(0.25, 0.65, agree)));
 }
 
-#ifdef WEAVE
-${WEAVE_CODE}#endif
+#ifdef RELIEF
+// The normal with the relief, and in the fourth number its height from 0 to 1.
+vec4 embossed(vec3 n, vec3 dx, vec3 dy) {
+  vec4 map = texture(uRelief, vUv * uUvLength / uReliefSize);
+  vec2 ux = dFdx(vUv);
+  vec2 uy = dFdy(vUv);
+  float way = sign(ux.x * uy.y - ux.y * uy.x);
+  if (!uHasUv || uShading != 0 || way == 0.0) return vec4(n, 0.5);
+  vec3 u = normalize(dx * uy.y - dy * ux.y) * way;
+  vec3 v = normalize(dy * ux.x - dx * uy.x) * way;
+  vec3 bent = map.xyz * 2.0 - 1.0;
+  return vec4(normalize(bent.x * u + bent.y * v + bent.z * n), uHasHeights ? map.a : 0.5);
+}
+#endif
+
 vec3 lit(vec3 base, bool front) {
   vec3 dx = dFdx(vView);
   vec3 dy = dFdy(vView);
   vec3 own = normalize(cross(dx, dy));
   vec3 smoothed = facing(own, front);
-#ifdef WEAVE
-  vec2 ux = dFdx(vUv) * uThreads / uPitch;
-  vec2 uy = dFdy(vUv) * uThreads / uPitch;
-  vec4 bent = uHasUv && uShading == 0 ? woven(smoothed, dx, dy, ux, uy) : vec4(smoothed, 0.5);
+#ifdef RELIEF
+  vec4 bent = embossed(smoothed, dx, dy);
 #else
   vec4 bent = vec4(smoothed, 0.5);
 #endif
   vec3 n = bent.xyz;
   float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? ownRoughness() : uRoughness);
   vec3 v = normalize(-vView);
-  vec3 albedo = decode(base);
+  vec3 albedo = sRGBTransferEOTF(vec4(base, 1.0)).rgb;
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));
   vec3 fill = normalize(vec3(0.85, 0.1, 0.45));
   float hollow = vCurvature * uHanded * (front ? 1.0 : -1.0) * uSize;
@@ -235,7 +237,7 @@ vec3 lit(vec3 base, bool front) {
   float inside = front ? 1.0 : 0.66;
   vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside * (0.7 + 0.6 * bent.w);
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
-  vec3 shown = encode(c / (1.0 + 0.16 * c * c));
+  vec3 shown = sRGBTransferOETF(vec4(c / (1.0 + 0.16 * c * c), 1.0)).rgb;
 #ifdef SHADOWS
   // Inside a sleeve all light is held off, and hems there would be black.
   shown *= 1.0 - (front ? 1.0 : 0.6) * shadow(smoothed, own);

@@ -1,10 +1,11 @@
 // Images of materials, as the layers of one texture.
 
-import { DataArrayTexture, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping } from "three";
+import { DataArrayTexture } from "three";
 import type { IUniform } from "three";
 import type { LookInfo } from "../../server/protocol";
 import { bytes } from "./colours";
 import { CLOTH } from "./fabric";
+import { repeated } from "./relief";
 
 /** All layers have one size. [pixels] */
 const SIDE = 1024;
@@ -56,12 +57,5 @@ function plain(): Uint8ClampedArray {
 function arrayOf(layers: Uint8ClampedArray[]): DataArrayTexture {
   const data = new Uint8Array(4 * SIDE * SIDE * layers.length);
   layers.forEach((pixels, layer) => data.set(pixels, layer * 4 * SIDE * SIDE));
-  const texture = new DataArrayTexture(data, SIDE, SIDE, layers.length);
-  texture.wrapS = RepeatWrapping;
-  texture.wrapT = RepeatWrapping;
-  texture.minFilter = LinearMipmapLinearFilter;
-  texture.magFilter = LinearFilter;
-  texture.generateMipmaps = true;
-  texture.needsUpdate = true;
-  return texture;
+  return repeated(new DataArrayTexture(data, SIDE, SIDE, layers.length));
 }

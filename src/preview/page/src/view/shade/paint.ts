@@ -1,100 +1,74 @@
 // The materials of one role. They outlive its meshes, as a program is compiled anew when its last material goes.
 
-import {
-  CustomBlending,
-  DoubleSide,
-  GLSL3,
-  OneFactor,
-  RawShaderMaterial,
-  Vector3,
-  ZeroFactor,
-} from "three";
+import { DoubleSide, GLSL3, ShaderMaterial, Vector3 } from "three";
 import type { IUniform } from "three";
 import type { Role } from "../../server/protocol";
 import { CLOTH_FRAGMENT, CLOTH_VERTEX } from "./clothShader";
 import { OVERLAYS } from "./colours";
-import { SET_LINE_FRAGMENT, SET_LINE_VERTEX } from "./setLineShader";
 
 export class Paint {
   /** What the mesh sets, and what all meshes share. */
   readonly uniforms: Record<string, IUniform>;
-  readonly solid: RawShaderMaterial;
+  readonly solid: ShaderMaterial;
   /** The same with shadows, for pictures at rest: their code would slow moving ones. */
-  readonly shaded: RawShaderMaterial;
+  readonly shaded: ShaderMaterial;
   /** Wires over another mesh. */
-  readonly overlay: RawShaderMaterial;
+  readonly overlay: ShaderMaterial;
   /** Numbers of faces in place of colours. */
-  readonly pick: RawShaderMaterial;
+  readonly pick: ShaderMaterial;
   /** Depth alone, as the light sees it. */
-  readonly depth: RawShaderMaterial;
-  readonly lines: RawShaderMaterial;
+  readonly depth: ShaderMaterial;
 
   constructor(role: Role, shared: Record<string, IUniform>) {
     this.uniforms = { ...shared, ...ownUniforms(role) };
     const level = { ...this.uniforms, uOverlay: { value: false }, uBias: { value: 0 } };
     const over = { ...this.uniforms, uOverlay: { value: true } };
-    this.solid = cloth({ uniforms: level });
-    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true } });
+    this.solid = cloth({ uniforms: level, polygonOffsetFactor: 1 });
+    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true }, polygonOffsetFactor: 1 });
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
     this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
-    this.lines = lines(this.uniforms);
   }
 
-  /** Whether cloth has a weave, or images: their code would slow other cloth. */
-  setCode(name: "WEAVE" | "IMAGES", is: boolean): void {
+  /** Which code cloth needs: it would slow other cloth. */
+  setCodes(codes: Codes): void {
     for (const material of [this.solid, this.shaded]) {
-      if (name in material.defines === is) continue;
-      if (is) material.defines[name] = true;
-      else delete material.defines[name];
-      material.needsUpdate = true;
+      for (const [name, is] of Object.entries(codes)) {
+        if (name in material.defines === is) continue;
+        if (is) material.defines[name] = true;
+        else delete material.defines[name];
+        material.needsUpdate = true;
+      }
     }
   }
 }
+
+/** Code for the images of the model's materials, for a chosen image and for a relief. */
+export type Codes = Record<"IMAGES" | "FABRIC" | "RELIEF", boolean>;
 
 function ownUniforms(role: Role): Record<string, IUniform> {
   return {
     uPoints: { value: null },
     uNormals: { value: null },
     uFaces: { value: null },
-    uPalette: { value: null },
     uLooks: { value: null },
-    uThreads: { value: 1 },
+    uUvLength: { value: 1 },
     uHasUv: { value: false },
     uHasValues: { value: false },
     uSquares: { value: 32 },
     uAboutIdeal: { value: false },
     uHanded: { value: 1 },
-    uHot: { value: -1 },
-    uOver: { value: false },
     uWireColour: { value: new Vector3(...OVERLAYS[role]) },
   };
 }
 
-function cloth(parameters: ConstructorParameters<typeof RawShaderMaterial>[0]): RawShaderMaterial {
-  return new RawShaderMaterial({
+function cloth(parameters: ConstructorParameters<typeof ShaderMaterial>[0]): ShaderMaterial {
+  return new ShaderMaterial({
     vertexShader: CLOTH_VERTEX,
     fragmentShader: CLOTH_FRAGMENT,
     glslVersion: GLSL3,
     side: DoubleSide,
     forceSinglePass: true,
     ...parameters,
-  });
-}
-
-function lines(uniforms: Record<string, IUniform>): RawShaderMaterial {
-  return new RawShaderMaterial({
-    vertexShader: SET_LINE_VERTEX,
-    fragmentShader: SET_LINE_FRAGMENT,
-    glslVersion: GLSL3,
-    side: DoubleSide,
-    alphaToCoverage: true,
-    // Alpha says how much of the pixel is covered; the canvas stays opaque.
-    blending: CustomBlending,
-    blendSrc: OneFactor,
-    blendDst: ZeroFactor,
-    blendSrcAlpha: OneFactor,
-    blendDstAlpha: OneFactor,
-    uniforms,
   });
 }
