@@ -92,11 +92,13 @@ def group_primvars(groups) -> dict[str, str]:
 
 
 def set_up(ob) -> None:
-    """Makes an object a garment: its lengths are chosen by its edges."""
+    """Makes an object a garment: its lengths are chosen by its edges, and both sides of a mirrored one have the same triangles."""
     edge = mean_edge_length(ob)
     put(ob, option("sim", "maxEdgeLength"), _rounded(edge / 2))
     put(ob, option("sim", "minEdgeLength"), 0.0)
     put(ob, option("sim", "density"), "")
+    if any(modifier.type == "MIRROR" for modifier in ob.modifiers):
+        put(ob, option("sim", "symmetry"), True)
     put(ob, option("render", "level"), 2)
     put(ob, option("cloth", "fabric"), "cotton")
     put(ob, option("cloth", "pins"), "")

@@ -5,6 +5,7 @@ import numpy
 import pytest
 from bl_ext.user_default.usd_tailor import links, messages, recipe
 from loop import active, points, products, set_up, weights
+from mathutils.kdtree import KDTree
 
 
 @pytest.fixture
@@ -34,6 +35,24 @@ def test_products_lie_where_the_garment_lies_with_all_that_it_has(shirt):
     sim, render = products(shirt)
     assert all(len(face.vertices) == 3 for face in sim.data.polygons)
     assert sum(len(face.vertices) == 4 for face in render.data.polygons) > 0.99 * len(render.data.polygons)
+
+
+def test_both_sides_of_a_mirrored_garment_have_the_same_triangles():
+    """The median of the distances was a third of an edge."""
+    ob = set_up(armature=False, shape_key=False)
+    assert bpy.ops.tailor.tailor() == {"FINISHED"}
+    sim, _ = products(ob)
+    at = points(sim)
+    tree = KDTree(len(at))
+    for number, point in enumerate(at):
+        tree.insert(point, number)
+    tree.balance()
+    image = [tree.find((-x, y, z)) for x, y, z in at.tolist()]
+    assert max(distance for *_, distance in image) < 1e-4
+    corners = numpy.array([polygon.vertices for polygon in sim.data.polygons])
+    triangles = {tuple(sorted(corner)) for corner in corners.tolist()}
+    twin = numpy.array([number for _, number, _ in image])
+    assert {tuple(sorted(corner)) for corner in twin[corners].tolist()} == triangles
 
 
 def test_each_material_keeps_its_area(shirt):

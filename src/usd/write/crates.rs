@@ -1,7 +1,7 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
 use crate::codes;
-use openusd::sdf::{AbstractData, Data, FormatError, Path, SpecType, Value};
+use openusd::sdf::{AbstractData, Data, FormatError, Path, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 use tailor_mesh::error::{Error, Warning, Warnings};
@@ -34,13 +34,8 @@ pub fn write_crate<W: Write + Seek>(data: &mut Data, out: &mut W) -> Result<(), 
 /// and the crate writer leaves it out.
 fn add_empty_text(data: &mut Data) {
     let root = Path::abs_root();
-    if !data.has_spec(&root) {
-        data.create_spec(root.clone(), SpecType::PseudoRoot);
-    }
-    let is_free = |key: &&str| !data.has_field(&root, key);
-    if let Some(key) = ["comment", "documentation", "owner"].into_iter().find(is_free) {
-        data.set_field(&root, key, Value::String(String::new()));
-    }
+    let free = ["comment", "documentation", "owner"].into_iter().find(|key| !data.has_field(&root, key));
+    free.into_iter().for_each(|key| data.set_field(&root, key, Value::String(String::new())));
 }
 
 /// `data` as a crate in memory.

@@ -103,7 +103,7 @@ pub struct Rims {
 }
 
 impl Rims {
-    /// Whether feature lines run along edges of the first refinement that are none of the cage.
+    /// Whether feature lines run along edges of the first refinement that the cage lacks.
     pub fn has_crests(&self) -> bool {
         !self.crests.is_empty()
     }
