@@ -13,7 +13,7 @@ use crate::assets::same_file;
 use crate::codes;
 use crate::names;
 use crate::read::first_used;
-use crate::write::{Format, OutputFile, Unfinished, write_crate};
+use crate::write::{Format, OutputFile, Unfinished, add_empty_text, write_crate};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, Data, FieldKey, LayerOffset, Path, PrimSpec, SpecType, Value};
@@ -294,6 +294,7 @@ fn append_structure(file: &File, position: u64, layer: &mut Data, places: &[u64]
     let mut out = AfterArrays { file, arrays_end: position, is_begun: false };
     let mut buffered = Vec::new();
     out.rewind()?;
+    add_empty_text(layer);
     write_crate(layer, &mut out).map_err(io::Error::other)?;
     // All but the header and the arrays is short.
     let mut file = file;

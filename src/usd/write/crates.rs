@@ -16,8 +16,7 @@ const OLD_MINOR_VERSION: u8 = 8;
 ///
 /// # Errors
 /// A value that a crate cannot hold, a failure of `out`.
-pub fn write_crate<W: Write + Seek>(data: &mut Data, out: &mut W) -> Result<(), FormatError> {
-    add_empty_text(data);
+pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), FormatError> {
     let start = out.stream_position()?;
     CrateWriter::write(data, out)?;
     let new = data.iter().any(|(_, spec)| spec.fields.iter().any(|(_, v)| any(v, &needs_new_version)));
@@ -30,19 +29,18 @@ pub fn write_crate<W: Write + Seek>(data: &mut Data, out: &mut W) -> Result<(), 
     Ok(())
 }
 
-/// Adds an empty text to the layer's metadata. OpenUSD looks for the empty token, as the name of the root, when it saves over a crate,
-/// and the crate writer leaves it out.
-fn add_empty_text(data: &mut Data) {
-    let root = Path::abs_root();
-    let free = ["comment", "documentation", "owner"].into_iter().find(|key| !data.has_field(&root, key));
-    free.into_iter().for_each(|key| data.set_field(&root, key, Value::String(String::new())));
+/// Adds an empty text to the metadata of a layer that becomes a file. OpenUSD looks for the empty token, as the name of the root, when it
+/// saves over a crate, and the crate writer leaves it out.
+pub fn add_empty_text(data: &mut Data) {
+    let free = ["comment", "documentation", "owner"].into_iter().find(|key| !data.has_field(&Path::abs_root(), key));
+    free.into_iter().for_each(|key| data.set_field(&Path::abs_root(), key, Value::String(String::new())));
 }
 
 /// `data` as a crate in memory.
 ///
 /// # Errors
 /// A value that a crate cannot hold.
-pub fn encode(data: &mut Data) -> Result<Vec<u8>, Error> {
+pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
     write_crate(data, &mut out)
         .map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")).code(codes::WRITE_FAILED))?;

@@ -148,7 +148,7 @@ pub fn layer_bytes(
             Format::Usda => text_of(&data),
             Format::Usdc => {
                 warnings.extend(remove_unwritable(&mut data));
-                encode(&mut data)
+                encode(&data)
             }
             Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
                 .code(codes::OUTPUT_PATH)

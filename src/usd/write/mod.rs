@@ -17,7 +17,7 @@ mod shapes;
 mod trims;
 mod variant;
 
-pub use crates::write_crate;
+pub use crates::{add_empty_text, write_crate};
 pub use fit::{BodyChoice, write_bodies, write_fitted};
 pub use layer::{
     Surroundings, WriteOptions, Written, check_name, check_product_names, check_target, layer_bytes, write, write_all,

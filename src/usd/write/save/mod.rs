@@ -13,7 +13,7 @@ pub use opened::check_whole;
 pub use text::text_of;
 pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, temporary_folder, write_whole};
 
-use super::crates::{remove_unwritable, write_crate};
+use super::crates::{add_empty_text, remove_unwritable, write_crate};
 use super::package::package;
 use crate::assets::{Anchor, as_named, unreadable, writable};
 use crate::codes;
@@ -169,7 +169,8 @@ impl OutputFile {
             Format::Usda => self.filled(|out| write_text(&data, out))?,
             Format::Usdc => {
                 warnings = remove_unwritable(&mut data);
-                self.filled(|out| write_crate(&mut data, out))?
+                add_empty_text(&mut data);
+                self.filled(|out| write_crate(&data, out))?
             }
             Format::Usdz => {
                 let package = warnings.absorb(package(&mut data, &self.stem)?);

@@ -93,7 +93,7 @@ export class SetLines {
     [this.#space.visible, this.#plane.visible] = [!flat, flat];
     const { plain, hot } = flat ? this.#plane : this.#space;
     PLAIN.visible = hasSets;
-    for (const [lines, all, pixels] of [[plain, this.#plain, 2.5], [hot, this.#hot, 3.5]] as const) {
+    for (const [lines, all, pixels] of [[plain, this.#plain, 4], [hot, this.#hot, 8]] as const) {
       if (lines.stale && (hasSets || lines === hot)) this.#fill(lines, all, flat);
       lift(lines, eye, pixels, over);
       lines.renderOrder = over > 0 ? 5 : 1;
