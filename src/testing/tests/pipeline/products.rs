@@ -156,6 +156,17 @@ fn sheets() -> impl Strategy<Value = Sheet> {
 }
 
 impl Sheet {
+    /// The sheet with its mirror image beside it. If `is_odd`, both share the faces of their last column.
+    fn mirrored(&self, is_odd: bool) -> Self {
+        let nx = 2 * self.nx - usize::from(is_odd);
+        let of = |values: usize, x: usize| x.min(values - 1 - x);
+        let rows = 0..self.ny;
+        let cells = rows.flat_map(|y| (0..nx).map(move |x| y * self.nx + of(nx, x))).map(|i| self.cells[i]);
+        let heights = (0..=self.ny).flat_map(|y| (0..=nx).map(move |x| y * (self.nx + 1) + of(nx + 1, x)));
+        let heights = heights.map(|i| self.heights[i]);
+        Self { nx, cells: cells.collect(), heights: heights.collect(), ..self.clone() }
+    }
+
     /// None where no face is left to be drawn.
     fn input(&self) -> Option<Garment> {
         let kind = |x: usize, y: usize| self.cells[y * self.nx + x];
@@ -207,6 +218,17 @@ proptest! {
             // Rough sheets at coarse targets: edges cut across their bumps.
             let bounds = Bounds { distance: 1.0, ..TINY };
             prop_assert_eq!(complaint("sheet", input, &layers, bounds), None);
+        }
+    }
+
+    #[test]
+    fn of_random_mirrored_sheets(sheet in sheets(), is_odd in any::<bool>()) {
+        let sheet = sheet.mirrored(is_odd);
+        if let Some(input) = sheet.input() {
+            let mut layers = sheet.layers(&input);
+            layers.add_override("sim.symmetry=true").expect("an option");
+            let bounds = Bounds { distance: 1.0, ..TINY };
+            prop_assert_eq!(complaint("mirrored sheet", input, &layers, bounds), None);
         }
     }
 
