@@ -205,10 +205,9 @@ fn asymmetric(garment: &Mesh, baseline: &Baseline) -> Option<Warning> {
     let faces: Vec<FaceId> = baseline.mirror.alone().iter().copied().collect();
     let count = counted(faces.len(), "face has", "faces have");
     let problem = format!("{count} no twin across a plane of symmetry, and triangles of their own");
-    let place = format!("{}, sim.symmetry", garment.prim);
+    let warning = Warning::new(codes::ASYMMETRIC, format!("{}, sim.symmetry", garment.prim), problem);
     let remedy = "Model both sides with the same faces and with edges on the plane, which `usdtailor info` finds";
-    let warning = || Warning::new(codes::ASYMMETRIC, place, problem).at(Elements::Faces(faces.clone())).remedy(remedy);
-    (!faces.is_empty()).then(warning)
+    (!faces.is_empty()).then(|| warning.at(Elements::Faces(faces)).remedy(remedy))
 }
 
 /// The warning of UV shells whose seams the mesh does not follow.

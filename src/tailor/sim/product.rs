@@ -71,14 +71,14 @@ pub(super) struct ChainEdge {
 pub fn simulate(baseline: Baseline, options: &SimOptions, max_faces: usize) -> SimProduct {
     let mut mesh = SimMesh::new(&baseline);
     let report = remesh(&mut mesh, options, max_faces);
-    part_from_plane(&mut mesh);
+    let shared = part_from_plane(&mut mesh);
     let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
     let places: IdVec<CornerId, BaselineUvPoint> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     let edges = chain_edges(&mesh, &old_vertex);
-    let mut sides = Sides { baseline: &baseline, points, triangles, places, edges };
-    sides.copy();
-    let Sides { points, triangles, mut places, mut edges, .. } = sides;
+    let twin = old_vertex.enumerated().map(|(v, old)| shared.contains(old).then_some(v)).collect();
+    let sides = Sides { baseline: &baseline, points, triangles, places, edges, twin };
+    let Sides { points, triangles, mut places, mut edges, .. } = sides.copied();
     for edges in edges.iter_mut() {
         // An edge of zero length comes before the one that starts at the same point.
         edges.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.length.total_cmp(&b.length)));

@@ -6,6 +6,7 @@ use super::product::ChainEdge;
 use super::sim_mesh::{BaselineUvPoint, SimMesh};
 use glam::{Vec2, Vec3};
 use rustc_hash::FxHashMap;
+use std::collections::BTreeSet;
 use tailor_mesh::connectivity::{ChainId, CornerId, IdVec, VertexId};
 
 /// UVs of one vertex that differ by no more are rounded values of one. \[ulps of the larger\]
@@ -18,66 +19,56 @@ pub struct Sides<'a> {
     pub triangles: Vec<[VertexId; 3]>,
     pub places: IdVec<CornerId, BaselineUvPoint>,
     pub edges: IdVec<ChainId, Vec<ChainEdge>>,
+    /// The vertex on the other side; at first those on the plane, which are their own.
+    pub twin: IdVec<VertexId, Option<VertexId>>,
 }
 
-/// Splits the edges between two vertices on the plane that are not on it themselves: their twins would be the same edges.
-pub fn part_from_plane(mesh: &mut SimMesh<'_>) {
+/// Splits the edges between two vertices on the plane that are not on it themselves: their twins would be the same edges. Returns
+/// the vertices on the plane.
+pub fn part_from_plane(mesh: &mut SimMesh<'_>) -> BTreeSet<VertexId> {
     let baseline = mesh.baseline;
     if baseline.mirror.is_empty() {
-        return;
+        return BTreeSet::new();
     }
     let chain_is_on_plane = |chain: &Chain| baseline.mirror.is_on_plane(chain.vertices.iter().copied());
     let is_on_plane: IdVec<ChainId, bool> = baseline.chains.iter().map(chain_is_on_plane).collect();
-    let along = |mesh: &SimMesh<'_>, half| mesh.span(half).is_some_and(|span| is_on_plane[span.chain]);
-    let mut is_shared = IdVec::<VertexId, bool>::filled(false, mesh.points.len());
-    for half in mesh.topology.edges().filter(|&half| along(mesh, half)) {
-        mesh.topology.ends(half).into_iter().for_each(|v| is_shared[v] = true);
-    }
-    let is_between = |half: &CornerId| mesh.topology.ends(*half).iter().all(|&v| is_shared[v]) && !along(mesh, *half);
-    for half in mesh.topology.edges().filter(is_between).collect::<Vec<_>>() {
-        if mesh.topology.may_split(half) {
+    let (along, others): (Vec<CornerId>, Vec<CornerId>) =
+        mesh.topology.edges().partition(|&half| mesh.span(half).is_some_and(|span| is_on_plane[span.chain]));
+    let shared: BTreeSet<VertexId> = along.into_iter().flat_map(|half| mesh.topology.ends(half)).collect();
+    for half in others {
+        if mesh.topology.ends(half).iter().all(|v| shared.contains(v)) && mesh.topology.may_split(half) {
             mesh.split(half);
         }
     }
+    shared
 }
 
 impl Sides<'_> {
     /// Adds the twins of all triangles on faces that are copied. Vertices on the plane belong to both sides.
-    pub fn copy(&mut self) {
+    pub fn copied(mut self) -> Self {
         if self.baseline.mirror.is_empty() {
-            return;
+            return self;
         }
-        let mut twin = self.on_plane();
         let mut known = FxHashMap::<VertexId, Vec<Vec2>>::default();
-        for (corner, &v) in self.triangles.as_flattened().iter().enumerate().filter(|(_, v)| twin[**v].is_some()) {
+        let at_plane = |(_, v): &(usize, &VertexId)| self.twin[**v].is_some();
+        for (corner, &v) in self.triangles.as_flattened().iter().enumerate().filter(at_plane) {
             known.entry(v).or_default().push(self.places[CornerId::new(corner)].uv);
         }
         for face in 0..self.triangles.len() {
             let corners = [0, 2, 1].map(|k| CornerId::new(3 * face + k));
             let [Some(a), Some(b), Some(c)] = corners.map(|corner| self.place(corner)) else { continue };
-            let triangle = [0, 2, 1].map(|k| self.triangles[face][k]);
             let places = [a, b, c];
             let own = std::array::from_fn(|k| {
                 let position = || self.points.push(self.baseline.position(places[k].location));
-                *twin[triangle[k]].get_or_insert_with(position)
+                *self.twin[self.triangles[face][corners[k].index() % 3]].get_or_insert_with(position)
             });
             self.triangles.push(own);
             for (place, v) in places.into_iter().zip(own) {
                 self.places.push(BaselineUvPoint { uv: shared(known.entry(v).or_default(), place.uv), ..place });
             }
         }
-        self.copy_edges(&twin);
-    }
-
-    /// The vertices on the plane as their own twins.
-    fn on_plane(&self) -> IdVec<VertexId, Option<VertexId>> {
-        let mut twin = IdVec::filled(None, self.points.len());
-        for (chain, edges) in self.baseline.chains.iter().zip(self.edges.iter()) {
-            if self.baseline.mirror.is_on_plane(chain.vertices.iter().copied()) {
-                edges.iter().flat_map(|edge| edge.ends).for_each(|v| twin[v] = Some(v));
-            }
-        }
-        twin
+        self.copy_edges();
+        self
     }
 
     /// The place of a corner on the other side.
@@ -93,17 +84,16 @@ impl Sides<'_> {
     }
 
     /// Adds the twins of the edges on chains.
-    fn copy_edges(&mut self, twin: &IdVec<VertexId, Option<VertexId>>) {
+    fn copy_edges(&mut self) {
         let chains = &self.baseline.chains;
         let pairs = chains.enumerated().flat_map(|(id, chain)| {
-            let pairs = chain.vertices.windows(2).enumerate();
-            pairs.map(move |(segment, pair)| ([pair[0], pair[1]], (id, segment)))
+            chain.vertices.windows(2).enumerate().map(move |(segment, pair)| ([pair[0], pair[1]], (id, segment)))
         });
         let segments: FxHashMap<[VertexId; 2], (ChainId, usize)> = pairs.collect();
         let mut copies = Vec::new();
         for (id, edges) in self.edges.enumerated() {
             for &ChainEdge { start, length, ends } in edges {
-                let [Some(a), Some(b)] = ends.map(|v| twin[v]) else { continue };
+                let [Some(a), Some(b)] = ends.map(|v| self.twin[v]) else { continue };
                 if [a, b] == ends {
                     continue;
                 }
@@ -127,17 +117,14 @@ impl Sides<'_> {
         at: CurvePoint,
     ) -> Option<(ChainId, f32, bool)> {
         let vertices = &self.baseline.chains[chain].vertices;
-        let [Some(a), Some(b)] = [at.segment, at.segment + 1].map(|i| self.baseline.mirror.vertex(vertices[i])) else {
-            return None;
+        let [a, b] = [at.segment, at.segment + 1].map(|i| self.baseline.mirror.vertex(vertices[i]));
+        let (a, b) = (a?, b?);
+        let (&(other, segment), t, is_forward) = match segments.get(&[a, b]) {
+            Some(found) => (found, at.t, true),
+            None => (segments.get(&[b, a])?, 1.0 - at.t, false),
         };
-        let along = |chain: ChainId, segment: usize, t: f32| {
-            let along = &self.baseline.chains[chain].along;
-            along[segment] + t * (along[segment + 1] - along[segment])
-        };
-        if let Some(&(other, segment)) = segments.get(&[a, b]) {
-            return Some((other, along(other, segment, at.t), true));
-        }
-        segments.get(&[b, a]).map(|&(other, segment)| (other, along(other, segment, 1.0 - at.t), false))
+        let along = &self.baseline.chains[other].along;
+        Some((other, along[segment] + t * (along[segment + 1] - along[segment]), is_forward))
     }
 }
 

@@ -26,6 +26,23 @@ enum Side {
     Copied,
 }
 
+/// A piece between edges on the plane.
+struct Piece {
+    faces: Vec<FaceId>,
+    /// The piece that all faces have their twins in.
+    twin: Option<FaceId>,
+    is_at_plane: bool,
+    /// The largest distance of a vertex from its twin. \[mesh units\]
+    width: f32,
+}
+
+impl Piece {
+    /// Whether it may be one of two halves that reach at least so far from the plane.
+    fn may_be_half(&self, least: f32) -> bool {
+        !self.is_at_plane || self.width > 2.0 * least
+    }
+}
+
 /// The sides of a garment. There are none if it is not to be symmetric.
 #[derive(Default)]
 pub struct Mirror {
@@ -62,7 +79,7 @@ impl Mirror {
         // Faces across the plane are refined once, so that edges are on it.
         let depth = levels.len().min(2) - 1;
         levels[..depth].iter().for_each(|parent| mirror.refine(parent));
-        mirror.choose_sides(&levels[depth].topology, points.as_slice(), LEAST * longest);
+        mirror.choose_sides(&levels[depth].topology, points, LEAST * longest);
         let alone = mirror.sides[depth].enumerated().filter(|(_, side)| **side == Side::Alone);
         mirror.alone = alone.map(|(face, _)| cage_faces[depth][face]).collect();
         if !mirror.sides[depth].contains(&Side::Copied) {
@@ -77,39 +94,18 @@ impl Mirror {
         Self { alone: faces.collect(), ..Self::default() }
     }
 
-    /// Finds the pieces between edges on the plane that have a twin; the later one of each two is copied. All other faces lose their
-    /// twins.
-    fn choose_sides(&mut self, t: &Topology, surface: &[Vec3], least: f32) {
+    /// Of each two pieces that are twins, the later one is copied. All other faces lose their twins.
+    fn choose_sides(&mut self, t: &Topology, surface: &IdVec<VertexId, Vec3>, least: f32) {
         let Some(mut sides) = self.sides.pop() else { return };
-        let mut pieces = Groups::<FaceId>::new(t.faces.len());
-        let is_solid = |face: &FaceId| sides[*face] != Side::Hole;
-        for corner in t.faces.corners().ids().filter(|&corner| !self.is_on_plane(ends(t, corner))) {
-            let faces = [Some(corner), t.twin(corner)].map(|c| c.map(|c| t.faces.face_of(c)).filter(is_solid));
-            if let [Some(own), Some(other)] = faces {
-                pieces.join(own, other);
-            }
-        }
-        // The piece that all faces of each piece have their twins in.
-        let mut twins = BTreeMap::<FaceId, Option<FaceId>>::new();
-        for face in t.faces.ids().filter(is_solid) {
-            let twin = self.face(t, face).filter(is_solid).map(|twin| pieces.first(twin));
-            let known = twins.entry(pieces.first(face)).or_insert(twin);
-            *known = known.filter(|_| *known == twin);
-        }
-        // How far pieces at the plane reach away from it.
-        let mut reach = BTreeMap::<FaceId, [f32; 2]>::new();
-        for (face, &v) in t.faces.ids().flat_map(|face| t.faces.vertices_of(face).iter().map(move |v| (face, v))) {
-            let [nearest, farthest] = reach.entry(pieces.first(face)).or_insert([f32::INFINITY, 0.0]);
-            let width = self.vertex[v].map_or(0.0, |twin| surface[v.index()].distance(surface[twin.index()]));
-            (*nearest, *farthest) = (nearest.min(width), farthest.max(width));
-        }
-        twins.retain(|piece, _| reach[piece][0] > 0.0 || reach[piece][1] > 2.0 * least);
+        let pieces = self.pieces(t, |face| sides[face] != Side::Hole, surface);
+        let twin_of = |piece: FaceId| pieces.get(&piece)?.twin.filter(|_| pieces[&piece].may_be_half(least));
         let mut is_paired = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
-        for (face, side) in sides.ids().zip(sides.iter_mut()).filter(|(_, side)| **side != Side::Hole) {
-            let piece = pieces.first(face);
-            let twin = twins.get(&piece).copied().flatten();
-            if let Some(twin) = twin.filter(|twin| *twin != piece && twins.get(twin) == Some(&Some(piece))) {
-                *side = if twin < piece { Side::Copied } else { Side::Remeshed };
+        for (&first, piece) in &pieces {
+            let Some(twin) = twin_of(first).filter(|&twin| twin != first && twin_of(twin) == Some(first)) else {
+                continue;
+            };
+            for &face in &piece.faces {
+                sides[face] = if twin < first { Side::Copied } else { Side::Remeshed };
                 t.faces.vertices_of(face).iter().for_each(|&v| is_paired[v] = true);
             }
         }
@@ -117,6 +113,36 @@ impl Mirror {
             *twin = twin.filter(|_| is_paired[v]);
         }
         self.sides.push(sides);
+    }
+
+    /// The pieces between edges on the plane, by their first faces.
+    fn pieces(
+        &self,
+        t: &Topology,
+        is_solid: impl Fn(FaceId) -> bool,
+        surface: &IdVec<VertexId, Vec3>,
+    ) -> BTreeMap<FaceId, Piece> {
+        let mut groups = Groups::<FaceId>::new(t.faces.len());
+        for corner in t.faces.corners().ids().filter(|&corner| !self.is_on_plane(t.faces.half_edge(corner))) {
+            let faces = t.twin(corner).map(|twin| [corner, twin].map(|c| t.faces.face_of(c)));
+            if let Some([own, other]) = faces.filter(|faces| faces.iter().all(|&face| is_solid(face))) {
+                groups.join(own, other);
+            }
+        }
+        let mut pieces = BTreeMap::<FaceId, Piece>::new();
+        for face in t.faces.ids().filter(|&face| is_solid(face)) {
+            let twin = self.face(t, face).filter(|&twin| is_solid(twin)).map(|twin| groups.first(twin));
+            let new = || Piece { faces: Vec::new(), twin, is_at_plane: false, width: 0.0 };
+            let piece = pieces.entry(groups.first(face)).or_insert_with(new);
+            piece.twin = piece.twin.filter(|_| piece.twin == twin);
+            piece.faces.push(face);
+            for &v in t.faces.vertices_of(face) {
+                let twin = self.vertex[v].unwrap_or(v);
+                piece.is_at_plane |= twin == v;
+                piece.width = piece.width.max(surface[v].distance(surface[twin]));
+            }
+        }
+        pieces
     }
 
     /// Goes to the next level.
@@ -159,15 +185,12 @@ impl Mirror {
     /// The corner from which a face of the finest level is cut in a fan: the best one, and in copied faces that of the twin.
     pub fn apex(&self, t: &Topology, points: &IdVec<VertexId, Vec3>, face: FaceId) -> usize {
         let faces = &t.faces;
-        if self.is_empty() {
-            return best_apex(faces, points, face);
-        }
         let of_twin = || {
             let twin = self.face(t, face)?;
             let apex = CornerId::new(faces.range(twin).start + best_apex(faces, points, twin));
             self.across(t, apex)?.index().checked_sub(faces.range(face).start).filter(|&k| k < faces.valence(face))
         };
-        let copied = self.is_copied(self.sides.len() - 1, face).then(of_twin).flatten();
+        let copied = self.is_copied(self.sides.len().saturating_sub(1), face).then(of_twin).flatten();
         copied.unwrap_or_else(|| best_apex(faces, points, face))
     }
 
@@ -206,10 +229,8 @@ impl Mirror {
     /// cut in the same triangles, nothing is copied.
     pub fn pair(&mut self, t: &Topology, level_face: &IdVec<FaceId, FaceId>, source: &IdVec<FaceId, FaceId>) {
         let finest = &self.sides[self.sides.len() - 1];
-        let across = |c: CornerId| match finest[level_face[t.faces.face_of(c)]] {
-            Side::Remeshed => self.across(t, c),
-            _ => None,
-        };
+        let is_remeshed = |c: CornerId| finest[level_face[t.faces.face_of(c)]] == Side::Remeshed;
+        let across = |c| is_remeshed(c).then(|| self.across(t, c)).flatten();
         let corner: IdVec<CornerId, Option<CornerId>> = t.faces.corners().ids().map(across).collect();
         let copied = level_face.iter().filter(|&&face| finest[face] == Side::Copied).count();
         if corner.iter().flatten().count() == 3 * copied {
@@ -235,12 +256,8 @@ impl Mirror {
 
     /// The twin of a corner of the level with this topology.
     fn across(&self, t: &Topology, corner: CornerId) -> Option<CornerId> {
-        let [a, b] = ends(t, corner).map(|v| self.vertex[v]);
+        let [a, b] = t.faces.half_edge(corner).map(|v| self.vertex[v]);
         // Faces go around the other way there.
         half_edge(t, b?, a?).map(|half| t.faces.next(half))
     }
-}
-
-fn ends(t: &Topology, half: CornerId) -> [VertexId; 2] {
-    [half, t.faces.next(half)].map(|corner| t.faces.vertex(corner))
 }
