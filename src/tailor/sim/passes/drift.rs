@@ -34,8 +34,7 @@ pub fn drift(mesh: &mut SimMesh<'_>) -> usize {
 
 /// [`drift`] with the valence excess of the mesh, which it updates.
 pub fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess) -> usize {
-    let may_drift = |&h: &CornerId| !mesh.is_constrained(h) && excess.change(mesh, h) <= 0;
-    let candidates: Vec<CornerId> = edges(mesh).filter(may_drift).collect();
+    let candidates: Vec<CornerId> = edges(mesh).filter(|&h| excess.change(mesh, h) <= 0).collect();
     let flips = candidates.into_iter().map(|half| run(mesh, excess, half, STEPS)).sum();
     mesh.debug_check();
     flips
@@ -70,20 +69,21 @@ fn around(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId, most: i32)
     // The ends have one triangle more, the apexes one less.
     let spokes = [half, twin].into_iter().flat_map(|c| t.fan(t.vertex(c)));
     let links = [half, twin].into_iter().flat_map(|c| t.fan(t.vertex(prev(c))).map(next));
-    let others = spokes.chain(links).filter(|&c| c != half && c != twin && !mesh.is_constrained(c));
+    let others = spokes.chain(links).filter(|&c| c != half && c != twin);
     let mut found: Vec<(i32, CornerId)> = others.map(|c| (excess.change(mesh, c), c)).filter(|c| c.0 <= most).collect();
     found.sort_by_key(|c| c.0);
     found.into_iter().map(|c| c.1).collect()
 }
 
-/// Whether an edge may be flipped although its angles do not gain.
+/// Whether an edge may be flipped although its angles do not gain. Earlier flips may have put a constrained edge in its place.
 fn may_drift(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|c| mesh.corner(c).0);
     let worse = |s, t| smallest_angle_cosine(s).max(smallest_angle_cosine(t));
     let at_chain = [half, twin].iter().any(|&c| mesh.constraint[mesh.topology.vertex(c)] != VertexConstraint::Free);
     let most = if at_chain { MIN_ANGLE_COSINE_AT_CHAINS } else { MIN_ANGLE_COSINE };
-    worse([c, d, b], [d, c, a]) <= worse([a, b, c], [b, a, d]).max(most)
+    !mesh.is_constrained(half)
+        && worse([c, d, b], [d, c, a]) <= worse([a, b, c], [b, a, d]).max(most)
         && mesh.may_flip(half)
         && mesh.flip_is_safe(half)
 }

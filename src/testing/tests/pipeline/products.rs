@@ -252,3 +252,14 @@ proptest! {
         prop_assert!(fault.as_ref().is_none_or(|f| f.contains("hint: ")), "{}", fault.unwrap_or_default());
     }
 }
+
+/// A flip during a drift once put the seam in the place of a free edge, and the next flip took it away.
+#[test]
+fn a_drift_flips_no_seam() {
+    let heights = vec![-0.136_955_74, 0.228_554_43, 0.0, -0.079_730_24, 0.167_435_2, 0.0];
+    let (nx, ny, cells, target) = (2, 1, vec![0, 0], 1.446_625_8);
+    let sheet = Sheet { nx, ny, cells, heights, cut: 1, line: 0, target, level: 0, dense: false }.mirrored(true);
+    let input = sheet.input().unwrap();
+    let fault = complaint("sheet", input.clone(), &sheet.layers(&input), Bounds { distance: 1.0, ..TINY });
+    assert_eq!(fault, None);
+}
