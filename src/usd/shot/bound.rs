@@ -228,13 +228,13 @@ fn missing(prim: &Prim, name: &str) -> Error {
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
-    let points = match pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten()) {
-        Some(pose) => pose,
-        None => vectors(prim, points_name(prim)?, None)?.ok_or_else(|| missing(prim, "points without a time"))?,
-    };
-    match points.iter().position(|point| !point.is_finite()) {
+    let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
+    let own = vectors(prim, points_name(prim)?, None)?;
+    // What is driven is drawn at its own points before the first frame.
+    let mut all = [&pose, &own].into_iter().flatten();
+    match all.find_map(|points| points.iter().position(|point| !point.is_finite())) {
         Some(at) => Err(unbound(format!("point {at} of {} is not finite", prim.path()))),
-        None => Ok(points),
+        None => pose.or(own).ok_or_else(|| missing(prim, "points without a time")),
     }
 }
 
