@@ -11,9 +11,10 @@ mod shot;
 mod workers;
 
 use super::document::{Before, EditHistory, Options};
-use super::messages::{BuildMessage, FitMessage, KeptEdits, Origin, Role, ServerMessage, ShotMessage, StateMessage};
+use super::messages::{KeptEdits, Origin, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use builds::SavedAs;
+use fit::FailedFit;
 use keep::{Kept, checksum_of};
 use shot::Shot;
 use std::collections::BTreeMap;
@@ -21,6 +22,7 @@ use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tailor::report::TriangleQuality;
+use tailor_costume::fit::BodyOptions;
 use tailor_costume::recipe::{Layers, Recipe};
 use tailor_mesh::connectivity::{FaceId, IdVec};
 use tailor_mesh::error::{Error, Fault};
@@ -64,18 +66,10 @@ pub struct Snapshot {
     pub shown: BTreeMap<Role, Arc<Shown>>,
     /// The meshes of a frame of the cache, which are shown in place of those at bind.
     pub posed: BTreeMap<Role, Arc<Shown>>,
-    /// The garment and the body on the way of the fit, in place of those at its end.
+    /// The meshes on the way of the fit, in place of those at its end.
     pub on_way: BTreeMap<Role, Arc<Shown>>,
-    /// The place on that way; none without a fit.
-    pub fit: Option<Arc<FitMessage>>,
-    /// The cache that is played, once it is opened.
-    pub shot: Option<Arc<ShotMessage>>,
-    /// The message of the cloth, once it is made.
-    pub cloth: Option<Arc<str>>,
-    /// The last build that a page started.
-    pub build: Option<Arc<BuildMessage>>,
-    /// The message of presets; empty before they are read.
-    pub presets: Arc<str>,
+    /// The last message of each kind that pages get when it is new.
+    pub messages: BTreeMap<&'static str, Arc<str>>,
 }
 
 /// The document as pages show it.
@@ -159,6 +153,14 @@ struct HubState {
     job: Option<Job>,
     /// The level of detail that was asked for.
     level: u32,
+    /// The bodies by which the garment is to be fitted again.
+    wanted_fit: Option<BodyOptions>,
+    failed_fit: Option<FailedFit>,
+    /// Whether bodies are to be looked for.
+    may_have_bodies: bool,
+    /// The share of the way of the fit that is shown.
+    share: f64,
+    is_building: bool,
     /// The newest simulation mesh.
     simulated: Option<Simulated>,
     /// The file that has the edits as they were last saved.
@@ -187,11 +189,7 @@ impl Hub {
             shown: BTreeMap::new(),
             posed: BTreeMap::new(),
             on_way: BTreeMap::new(),
-            fit: None,
-            shot: None,
-            cloth: None,
-            build: None,
-            presets: Arc::from(""),
+            messages: BTreeMap::new(),
         };
         let saved = SavedAs::opened(&input);
         let shared = HubState {
@@ -201,6 +199,11 @@ impl Hub {
             snapshot,
             job: None,
             level: 0,
+            wanted_fit: None,
+            failed_fit: None,
+            may_have_bodies: true,
+            share: 1.0,
+            is_building: false,
             simulated: None,
             saved,
             shot: None,
@@ -312,6 +315,7 @@ impl Hub {
 
     /// Reads the files again. The document stays; after a fault the last garment stays too.
     pub fn reload(&self) {
+        self.change(|shared| (shared.failed_fit, shared.may_have_bodies) = (None, true));
         self.read(|_| ());
     }
 
@@ -323,25 +327,40 @@ impl Hub {
     /// Shows other presets, as a message. After a fault the last ones stay.
     pub fn show_presets(&self, message: Result<String, Error>) {
         self.change(|shared| {
-            let fault = message.map(|message| shared.snapshot.presets = message.into()).err();
+            let fault = message.map(|message| shared.snapshot.messages.insert("presets", message.into())).err();
             shared.set_faults(Origin::Presets, fault.map_or(Vec::new(), |error| error.faults));
         });
     }
 
     fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
+        let (fit, last) = {
+            let shared = self.lock();
+            let (stage, document) = (&shared.snapshot.stage, &shared.document);
+            (stage.recipe(document.shown()).map(|recipe| recipe.fit), stage.fit.clone())
+        };
+        let fit = fit.unwrap_or(last);
+        if let Err(error) = self.read_fitted(&fit, change) {
+            let is_of_fit = error.faults.iter().all(|fault| fault.place.starts_with("fit."));
+            self.change(|shared| match is_of_fit {
+                true => shared.fail_fit(fit, error),
+                false => shared.set_faults(Origin::File, error.faults),
+            });
+        }
+    }
+
+    /// Reads the files and fits the garment. After a fault, the last one stays.
+    fn read_fitted(&self, fit: &BodyOptions, change: impl FnOnce(&mut ReadOptions)) -> Result<(), Error> {
         let _reading = self.reading();
         let mut input = self.lock().input.clone();
         change(&mut input.read);
-        let opened = Stage::open(&input);
-        self.change(|shared| match opened {
-            Ok(stage) => {
-                shared.input = input;
-                shared.snapshot.stage = Arc::new(stage);
-                shared.set_faults(Origin::File, Vec::new());
-                shared.show_model();
-            }
-            Err(error) => shared.set_faults(Origin::File, error.faults),
+        let stage = Stage::open(&input, Some(fit))?;
+        self.change(|shared| {
+            shared.input = input;
+            shared.snapshot.stage = Arc::new(stage);
+            shared.set_faults(Origin::File, Vec::new());
+            shared.show_model();
         });
+        Ok(())
     }
 
     /// The prim, time and variants that are read.
@@ -365,15 +384,17 @@ impl HubState {
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
         let saved_as = self.saved_as().map(|saved| saved.file.display().to_string());
-        let stage = &self.snapshot.stage;
+        let stage = Arc::clone(&self.snapshot.stage);
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
         let last = checked.as_ref().map_or(self.level, |recipe| recipe.lod.levels.saturating_sub(1));
         let level = self.level.min(last);
-        let state = State::new(&self.document, stage, self.kept.last(), saved_as, level, revision);
+        let state = State::new(&self.document, &stage, self.kept.last(), saved_as, level, revision);
+        self.wanted_fit = None;
         let faults = match checked {
+            Ok(recipe) if !stage.is_fitted_by(&recipe.fit) => self.want_fit(recipe.fit),
             Ok(recipe) => {
-                self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe), level });
+                self.job = Some(Job { revision, stage, recipe: Arc::new(recipe), level });
                 Vec::new()
             }
             Err(error) => error.faults,
@@ -397,8 +418,8 @@ impl HubState {
             Some(body) => self.show_as_read(Role::Body, &body.mesh),
             None => drop(self.snapshot.shown.remove(&Role::Body)),
         }
-        self.snapshot.on_way.clear();
-        self.snapshot.fit = stage.at_end().map(Arc::new);
+        self.snapshot.messages.remove("fit");
+        self.show_on_way(1.0);
     }
 
     /// Shows a mesh of a file.
@@ -413,6 +434,11 @@ impl HubState {
             message: OnceLock::new(),
         };
         self.snapshot.shown.insert(role, Arc::new(shown));
+    }
+
+    /// Sends pages a message, unless it is the last one of its kind.
+    fn tell(&mut self, kind: &'static str, message: &ServerMessage<'_>) {
+        self.snapshot.messages.insert(kind, message.to_text().into());
     }
 
     fn set_faults(&mut self, origin: Origin, faults: Vec<Fault>) {

@@ -49,7 +49,7 @@ pub fn serve(
 ) -> Result<(), Error> {
     page::check()?;
     let input = continued(input);
-    let stage = Stage::open(&input)?;
+    let stage = Stage::open(&input, None)?;
     let keeper = keep::state_folder().map(|folder| Keeper::new(&folder, &input, &stage));
     let hub = Hub::new(input, stage);
     save::presets::read(&hub);

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use tailor::sets::Change;
 use tailor_costume::recipe::ListedOperator;
 use tailor_mesh::connectivity::Elements;
-use tailor_mesh::error::Fault;
+use tailor_mesh::error::{Fault, Warning};
 
 /// The meshes: the garment's input cage, the two products, and the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -199,6 +199,8 @@ pub enum ServerMessage<'a> {
     Shot(&'a ShotMessage),
     /// The place on the way of the fit.
     Fit(&'a FitMessage),
+    /// The bodies beside the garment.
+    Bodies(BodiesMessage),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.
@@ -300,10 +302,20 @@ pub struct FaultsMessage<'a> {
 pub struct FitMessage {
     /// The share of the way, from 0 to 1.
     pub share: f64,
-    /// The faces of the garment that cross the body there.
-    pub crossings: Vec<usize>,
+    /// The warning of the faces of the garment that cross the body there.
+    pub warning: Option<Warning>,
     /// How many of them do not at the start.
     pub new: usize,
+}
+
+/// Files that may be bodies. Sent at first, and again after files were read again.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct BodiesMessage {
+    /// The folder of the garment.
+    pub folder: String,
+    /// Files relative to it.
+    pub files: Vec<String>,
 }
 
 /// Work that has begun or ended.

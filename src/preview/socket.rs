@@ -2,10 +2,7 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{
-    BuildMessage, FaultsMessage, FitMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage,
-    View,
-};
+use super::messages::{FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
@@ -42,11 +39,7 @@ struct Client {
     progress: BTreeMap<Role, String>,
     meshes: BTreeMap<Role, Option<Sent>>,
     products: BTreeMap<Role, Arc<str>>,
-    cloth: Option<Arc<str>>,
-    build: Option<Arc<BuildMessage>>,
-    shot: Option<Arc<ShotMessage>>,
-    fit: Option<Arc<FitMessage>>,
-    presets: Arc<str>,
+    messages: BTreeMap<&'static str, Arc<str>>,
 }
 
 impl Client {
@@ -124,17 +117,14 @@ impl Client {
         let mut news = Vec::new();
         if !self.stage.as_ref().is_some_and(|stage| Arc::ptr_eq(stage, &now.stage)) {
             self.stage = Some(Arc::clone(&now.stage));
-            (self.state, self.fit) = (None, None);
+            self.state = None;
+            self.messages.remove("fit");
             news.push(text(now.stage.message.clone()));
         }
         let is_known = |(state, serial): &(Arc<State>, u64)| Arc::ptr_eq(state, &now.state) && *serial == self.serial;
         if !self.state.as_ref().is_some_and(is_known) {
             self.state = Some((Arc::clone(&now.state), self.serial));
             news.push(text(now.state.message(&now.stage.upstream, self.serial)));
-        }
-        if self.presets != now.presets {
-            self.presets = Arc::clone(&now.presets);
-            news.push(text(&*now.presets));
         }
         for (&origin, faults) in now.faults.iter() {
             if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {
@@ -151,21 +141,11 @@ impl Client {
                 news.push(text(&**message));
             }
         }
-        if self.cloth != now.cloth {
-            self.cloth.clone_from(&now.cloth);
-            news.extend(now.cloth.as_deref().map(text));
-        }
-        if self.shot != now.shot {
-            self.shot.clone_from(&now.shot);
-            news.extend(now.shot.as_deref().map(|shot| text(ServerMessage::Shot(shot).to_text())));
-        }
-        if self.fit != now.fit {
-            self.fit.clone_from(&now.fit);
-            news.extend(now.fit.as_deref().map(|fit| text(ServerMessage::Fit(fit).to_text())));
-        }
-        if self.build != now.build {
-            self.build.clone_from(&now.build);
-            news.extend(now.build.as_deref().map(|build| text(ServerMessage::Build(build).to_text())));
+        for (&kind, message) in &now.messages {
+            if self.messages.get(kind) != Some(message) {
+                self.messages.insert(kind, Arc::clone(message));
+                news.push(text(&**message));
+            }
         }
         news
     }
@@ -174,7 +154,7 @@ impl Client {
         if self.progress == now.progress {
             return;
         }
-        for role in [Role::Render, Role::Sim] {
+        for role in [Role::Model, Role::Render, Role::Sim] {
             let step = now.progress.get(&role);
             if self.progress.get(&role) != step {
                 news.push(text(

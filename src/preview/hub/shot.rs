@@ -2,7 +2,7 @@
 
 use super::workers::{Known, Simulated, builder_for};
 use super::{Hub, Job, Shown};
-use crate::messages::{Role, ShotMessage};
+use crate::messages::{Role, ServerMessage, ShotMessage};
 use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
@@ -106,7 +106,7 @@ impl Hub {
             };
             self.change(|shared| {
                 shared.snapshot.posed = posed;
-                shared.snapshot.shot = Some(Arc::new(message));
+                shared.tell("shot", &ServerMessage::Shot(&message));
             });
         }
     }

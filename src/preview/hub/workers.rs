@@ -51,6 +51,7 @@ impl Hub {
     pub fn start(self: &Arc<Self>, threads: Option<usize>) -> Result<(), Error> {
         self.spawn("render", threads, |hub, pool| hub.work(Role::Render, pool))?;
         self.spawn("sim", threads, |hub, pool| hub.work(Role::Sim, pool))?;
+        self.spawn("fit", threads, |hub, pool| hub.work_on_fit(pool))?;
         self.spawn("cloth", threads, |hub, pool| hub.work_on_cloth(pool))
     }
 
@@ -199,9 +200,7 @@ impl Hub {
                 Err(error) => (None, error.faults),
             };
             self.change(|shared| {
-                if let Some(message) = message.filter(|message| shared.snapshot.cloth.as_ref() != Some(message)) {
-                    shared.snapshot.cloth = Some(message);
-                }
+                shared.snapshot.messages.extend(message.map(|message| ("cloth", message)));
                 shared.set_faults(Origin::Cloth, faults);
             });
         }
@@ -231,7 +230,10 @@ impl Hub {
             quality: OnceLock::new(),
             message: OnceLock::new(),
         });
-        self.change(|shared| drop(shared.snapshot.shown.insert(role, Arc::clone(&shown))));
+        self.change(|shared| {
+            shared.snapshot.shown.insert(role, Arc::clone(&shown));
+            shared.move_on_way(role);
+        });
         shown
     }
 }

@@ -7,7 +7,7 @@ use crate::save::save;
 
 /// What a program that opens the garment finds.
 fn opened(folder: &Path, file: &Path) -> (Keeper, Arc<Hub>) {
-    let stage = Stage::open(&input(file)).expect("a good garment");
+    let stage = Stage::open(&input(file), None).expect("a good garment");
     let (keeper, kept) = Keeper::new(folder, &input(file), &stage);
     let hub = Hub::new(input(file), stage);
     hub.offer(kept);
@@ -105,7 +105,7 @@ fn a_file_has_the_latest_edits_and_is_of_one_garment_and_recipe() {
     assert_eq!(opened(&state, &files_of[0]).1.unsaved().1, unsaved);
     assert_eq!(opened(&state, &files_of[1]).1.unsaved().1, []);
     let recipe = Input { recipe: Some(folder.path().join("c.tailor")), ..input(&files_of[0]) };
-    let stage = Stage::open(&input(&files_of[0])).expect("a good garment");
+    let stage = Stage::open(&input(&files_of[0]), None).expect("a good garment");
     assert_eq!(Keeper::new(&state, &recipe, &stage).1, []);
 }
 

@@ -28,7 +28,7 @@ fn input(file: &Path) -> Input {
 
 /// A hub that builds nothing.
 fn idle(file: &Path) -> Arc<Hub> {
-    Hub::new(input(file), Stage::open(&input(file)).expect("a good garment"))
+    Hub::new(input(file), Stage::open(&input(file), None).expect("a good garment"))
 }
 
 fn building(file: &Path) -> Arc<Hub> {
