@@ -10,11 +10,10 @@ pub mod keep;
 mod shot;
 mod workers;
 
-use super::document::{Before, EditHistory, Options};
-use super::messages::{KeptEdits, Origin, Role, ServerMessage, StateMessage};
+use super::document::{EditHistory, Options};
+use super::messages::{Origin, ProgressMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use builds::SavedAs;
-use fit::FailedFit;
 use keep::{Kept, checksum_of};
 use shot::Shot;
 use std::collections::BTreeMap;
@@ -23,7 +22,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tailor::report::TriangleQuality;
 use tailor_costume::fit::BodyOptions;
-use tailor_costume::recipe::{Layers, Recipe};
+use tailor_costume::recipe::Recipe;
 use tailor_mesh::connectivity::{FaceId, IdVec};
 use tailor_mesh::error::{Error, Fault};
 use tailor_mesh::garment::Mesh;
@@ -33,7 +32,7 @@ use tokio::sync::watch;
 use workers::Simulated;
 
 /// A mesh that pages may show.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Shown {
     /// The mesh.
     pub mesh: Arc<Mesh>,
@@ -57,11 +56,9 @@ pub struct Snapshot {
     /// The garment.
     pub stage: Arc<Stage>,
     /// The document; the page adds its own serial.
-    pub state: Arc<State>,
+    pub state: Arc<StateMessage>,
     /// Faults by origin.
     pub faults: Arc<BTreeMap<Origin, Vec<Fault>>>,
-    /// Steps that are being worked on.
-    pub progress: BTreeMap<Role, String>,
     /// The meshes.
     pub shown: BTreeMap<Role, Arc<Shown>>,
     /// The meshes of a frame of the cache, which are shown in place of those at bind.
@@ -69,69 +66,7 @@ pub struct Snapshot {
     /// The meshes on the way of the fit, in place of those at its end.
     pub on_way: BTreeMap<Role, Arc<Shown>>,
     /// The last message of each kind that pages get when it is new.
-    pub messages: BTreeMap<&'static str, Arc<str>>,
-}
-
-/// The document as pages show it.
-pub struct State {
-    pub revision: u64,
-    pub edits: Options,
-    /// The edits over the options of the stage.
-    layers: Layers,
-    can_undo: bool,
-    can_redo: bool,
-    unsaved: bool,
-    comparing: Option<Before>,
-    /// The level of detail that is shown.
-    level: u32,
-    /// The input of a build of what is on screen; none if it is not saved.
-    saved_as: Option<String>,
-    kept: Option<KeptEdits>,
-}
-
-impl State {
-    fn new(
-        document: &EditHistory,
-        stage: &Stage,
-        kept: Option<&Kept>,
-        saved_as: Option<String>,
-        level: u32,
-        revision: u64,
-    ) -> Self {
-        Self {
-            revision,
-            edits: document.edits().clone(),
-            layers: stage.layers(document.edits()),
-            can_undo: document.can_undo(),
-            can_redo: document.can_redo(),
-            unsaved: document.is_unsaved(),
-            comparing: document.comparing,
-            level,
-            saved_as,
-            kept: kept
-                .map(|kept| KeptEdits { time: kept.time, is_current: kept.upstream == checksum_of(&stage.upstream) }),
-        }
-    }
-
-    /// The message for a page whose last edit was `serial`.
-    pub fn message(&self, upstream: &Options, serial: u64) -> String {
-        ServerMessage::State(StateMessage {
-            revision: self.revision,
-            serial,
-            upstream,
-            edits: &self.edits,
-            merged: self.layers.map(),
-            stack: self.layers.operators(),
-            can_undo: self.can_undo,
-            can_redo: self.can_redo,
-            unsaved: self.unsaved,
-            comparing: self.comparing,
-            level: self.level,
-            saved_as: self.saved_as.as_deref(),
-            kept: self.kept,
-        })
-        .to_text()
-    }
+    pub messages: BTreeMap<String, Arc<str>>,
 }
 
 /// A recipe to build.
@@ -155,7 +90,7 @@ struct HubState {
     level: u32,
     /// The bodies by which the garment is to be fitted again.
     wanted_fit: Option<BodyOptions>,
-    failed_fit: Option<FailedFit>,
+    failed_fit: Option<(BodyOptions, Vec<Fault>)>,
     /// Whether bodies are to be looked for.
     may_have_bodies: bool,
     /// The share of the way of the fit that is shown.
@@ -182,10 +117,9 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, None, None, 0, 0)),
+            state: Arc::default(),
             stage: Arc::new(stage),
             faults: Arc::default(),
-            progress: BTreeMap::new(),
             shown: BTreeMap::new(),
             posed: BTreeMap::new(),
             on_way: BTreeMap::new(),
@@ -327,18 +261,14 @@ impl Hub {
     /// Shows other presets, as a message. After a fault the last ones stay.
     pub fn show_presets(&self, message: Result<String, Error>) {
         self.change(|shared| {
-            let fault = message.map(|message| shared.snapshot.messages.insert("presets", message.into())).err();
+            let fault = message.map(|message| shared.snapshot.messages.insert("presets".into(), message.into())).err();
             shared.set_faults(Origin::Presets, fault.map_or(Vec::new(), |error| error.faults));
         });
     }
 
     fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
-        let (fit, last) = {
-            let shared = self.lock();
-            let (stage, document) = (&shared.snapshot.stage, &shared.document);
-            (stage.recipe(document.shown()).map(|recipe| recipe.fit), stage.fit.clone())
-        };
-        let fit = fit.unwrap_or(last);
+        let Snapshot { stage, state, .. } = self.snapshot();
+        let fit = stage.recipe(&state.edits).map_or_else(|_| stage.fit.clone(), |recipe| recipe.fit);
         if let Err(error) = self.read_fitted(&fit, change) {
             let is_of_fit = error.faults.iter().all(|fault| fault.place.starts_with("fit."));
             self.change(|shared| match is_of_fit {
@@ -389,7 +319,22 @@ impl HubState {
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
         let last = checked.as_ref().map_or(self.level, |recipe| recipe.lod.levels.saturating_sub(1));
         let level = self.level.min(last);
-        let state = State::new(&self.document, &stage, self.kept.last(), saved_as, level, revision);
+        let layers = stage.layers(self.document.edits());
+        let state = StateMessage {
+            revision,
+            serial: 0,
+            upstream: stage.upstream.clone(),
+            edits: self.document.edits().clone(),
+            stack: layers.operators(),
+            merged: layers.into_map(),
+            can_undo: self.document.can_undo(),
+            can_redo: self.document.can_redo(),
+            unsaved: self.document.is_unsaved(),
+            comparing: self.document.comparing,
+            level,
+            saved_as,
+            kept: self.kept.last().map(|kept| kept.offered(&stage.upstream)),
+        };
         self.wanted_fit = None;
         let faults = match checked {
             Ok(recipe) if !stage.is_fitted_by(&recipe.fit) => self.want_fit(recipe.fit),
@@ -415,7 +360,7 @@ impl HubState {
         let stage = Arc::clone(&self.snapshot.stage);
         self.show_as_read(Role::Model, &stage.shown);
         match &stage.body {
-            Some(body) => self.show_as_read(Role::Body, &body.mesh),
+            Some(body) => self.show_as_read(Role::Body, body),
             None => drop(self.snapshot.shown.remove(&Role::Body)),
         }
         self.snapshot.messages.remove("fit");
@@ -424,21 +369,18 @@ impl HubState {
 
     /// Shows a mesh of a file.
     fn show_as_read(&mut self, role: Role, mesh: &Arc<Mesh>) {
-        let shown = Shown {
-            mesh: Arc::clone(mesh),
-            revision: self.snapshot.state.revision,
-            build: 0.0,
-            recipe: Arc::default(),
-            sources: Arc::default(),
-            quality: OnceLock::new(),
-            message: OnceLock::new(),
-        };
-        self.snapshot.shown.insert(role, Arc::new(shown));
+        let revision = self.snapshot.state.revision;
+        self.snapshot.shown.insert(role, Arc::new(Shown { mesh: Arc::clone(mesh), revision, ..Shown::default() }));
     }
 
     /// Sends pages a message, unless it is the last one of its kind.
-    fn tell(&mut self, kind: &'static str, message: &ServerMessage<'_>) {
-        self.snapshot.messages.insert(kind, message.to_text().into());
+    fn tell(&mut self, kind: &str, message: &ServerMessage<'_>) {
+        self.snapshot.messages.insert(kind.to_owned(), message.to_text().into());
+    }
+
+    /// Shows the step of the build of a mesh; none at its end.
+    fn show_step(&mut self, role: Role, step: Option<&str>) {
+        self.tell(&format!("progress {role:?}"), &ServerMessage::Progress(ProgressMessage { role, step }));
     }
 
     fn set_faults(&mut self, origin: Origin, faults: Vec<Fault>) {

@@ -21,6 +21,7 @@ pub use shot::ShotMessage;
 
 use super::document::{Before, Options};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use tailor::sets::Change;
 use tailor_costume::recipe::ListedOperator;
 use tailor_mesh::connectivity::Elements;
@@ -186,7 +187,7 @@ pub enum ServerMessage<'a> {
     /// The garment.
     Garment(GarmentMessage<'a>),
     /// The document.
-    State(StateMessage<'a>),
+    State(StateMessage),
     /// Faults of one origin.
     Faults(FaultsMessage<'a>),
     /// Figures of a product.
@@ -221,23 +222,23 @@ impl ServerMessage<'_> {
 }
 
 /// The shared document of all pages. Sent after each change.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct StateMessage<'a> {
+pub struct StateMessage {
     /// Counts the changes; meshes carry the revision that they were made from.
     pub revision: u64,
     /// Serial of the last edit of this page that the document includes.
     pub serial: u64,
     /// Options of the garment and of `--recipe`, below the edits.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub upstream: &'a Options,
+    pub upstream: Options,
     /// Options that were changed here.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub edits: &'a Options,
+    pub edits: Options,
     /// The options that hold: the edits over those of upstream.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub merged: &'a Options,
+    pub merged: Options,
     /// The operators in the order in which they run.
     pub stack: Vec<ListedOperator>,
     /// True if there is a step to go back.
@@ -251,7 +252,7 @@ pub struct StateMessage<'a> {
     /// The level of detail that is shown.
     pub level: u32,
     /// The input of a build of what is on screen; null if it is not saved.
-    pub saved_as: Option<&'a str>,
+    pub saved_as: Option<String>,
     /// Edits of an earlier preview that were not saved, which the user may have back.
     pub kept: Option<KeptEdits>,
 }
@@ -313,9 +314,9 @@ pub struct FitMessage {
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct BodiesMessage {
     /// The folder of the garment.
-    pub folder: String,
-    /// Files relative to it.
-    pub files: Vec<String>,
+    pub folder: PathBuf,
+    /// The files.
+    pub files: Vec<PathBuf>,
 }
 
 /// Work that has begun or ended.

@@ -1,8 +1,8 @@
 //! The connection of one page: its requests, and what it has been sent.
 
 use super::frame::{Sent, frame};
-use super::hub::{Hub, Snapshot, State};
-use super::messages::{FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
+use super::hub::{Hub, Snapshot};
+use super::messages::{FaultsMessage, Origin, PageMessage, Role, ServerMessage, StateMessage, View};
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
@@ -34,12 +34,11 @@ struct Client {
     view: View,
     comparing: bool,
     stage: Option<Arc<Stage>>,
-    state: Option<(Arc<State>, u64)>,
+    state: Option<(Arc<StateMessage>, u64)>,
     faults: BTreeMap<Origin, Vec<Fault>>,
-    progress: BTreeMap<Role, String>,
     meshes: BTreeMap<Role, Option<Sent>>,
     products: BTreeMap<Role, Arc<str>>,
-    messages: BTreeMap<&'static str, Arc<str>>,
+    messages: BTreeMap<String, Arc<str>>,
 }
 
 impl Client {
@@ -121,10 +120,12 @@ impl Client {
             self.messages.remove("fit");
             news.push(text(now.stage.message.clone()));
         }
-        let is_known = |(state, serial): &(Arc<State>, u64)| Arc::ptr_eq(state, &now.state) && *serial == self.serial;
+        let (state, serial) = (&now.state, self.serial);
+        let is_known = |known: &(Arc<StateMessage>, u64)| Arc::ptr_eq(&known.0, state) && known.1 == serial;
         if !self.state.as_ref().is_some_and(is_known) {
-            self.state = Some((Arc::clone(&now.state), self.serial));
-            news.push(text(now.state.message(&now.stage.upstream, self.serial)));
+            self.state = Some((Arc::clone(state), serial));
+            let message = StateMessage { serial, ..StateMessage::clone(state) };
+            news.push(text(ServerMessage::State(message).to_text()));
         }
         for (&origin, faults) in now.faults.iter() {
             if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {
@@ -132,7 +133,6 @@ impl Client {
                 news.push(text(ServerMessage::Faults(FaultsMessage { origin, faults }).to_text()));
             }
         }
-        self.progress(now, &mut news);
         self.meshes(now, &mut news);
         for (&role, shown) in &now.shown {
             let Some(message) = shown.message.get() else { continue };
@@ -141,28 +141,13 @@ impl Client {
                 news.push(text(&**message));
             }
         }
-        for (&kind, message) in &now.messages {
+        for (kind, message) in &now.messages {
             if self.messages.get(kind) != Some(message) {
-                self.messages.insert(kind, Arc::clone(message));
+                self.messages.insert(kind.clone(), Arc::clone(message));
                 news.push(text(&**message));
             }
         }
         news
-    }
-
-    fn progress(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
-        if self.progress == now.progress {
-            return;
-        }
-        for role in [Role::Model, Role::Render, Role::Sim] {
-            let step = now.progress.get(&role);
-            if self.progress.get(&role) != step {
-                news.push(text(
-                    ServerMessage::Progress(ProgressMessage { role, step: step.map(String::as_str) }).to_text(),
-                ));
-            }
-        }
-        self.progress = now.progress.clone();
     }
 
     fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {

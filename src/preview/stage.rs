@@ -44,20 +44,16 @@ pub struct Stage {
     pub given: Options,
     /// The bodies by which it is fitted.
     pub fit: BodyOptions,
-    /// The body under it.
-    pub body: Option<Body>,
+    /// The body under it, in the space of the garment.
+    pub body: Option<Arc<Mesh>>,
+    /// The files of the garment and of the body.
+    pub files: Vec<PathBuf>,
     /// Its way to that body, where the recipe fits it, and the faces that cross the body at the start.
     way: Option<(FitWay, BTreeSet<FaceId>)>,
     /// Images of its materials.
     pub images: Images,
     /// The message that describes the garment.
     pub message: String,
-}
-
-/// A body, in the space of the garment.
-pub struct Body {
-    pub mesh: Arc<Mesh>,
-    files: Vec<PathBuf>,
 }
 
 impl Stage {
@@ -68,7 +64,7 @@ impl Stage {
     pub fn open(input: &Input, fit: Option<&BodyOptions>) -> Result<Self, Error> {
         let garment = Input { overrides: overrides(input, fit), ..input.clone() }.open_one()?;
         let fit = garment.layers().recipe().unwrap_or_default().fit;
-        let body = body_under(&garment, input, &fit.to)?;
+        let (body, of_body) = body_under(&garment, input, &fit.to)?.unzip();
         let OpenGarment { source, mesh, authored, given, way, mut warnings } = garment;
         // A body that is named here may be another than that of the recipe.
         let way = way.filter(|_| input.body.is_none());
@@ -77,7 +73,7 @@ impl Stage {
         let mut checks = Builder::new(on_way)?;
         // On a way, crossings are those of the place on it.
         if let Some(body) = body.as_ref().filter(|_| way.is_none()) {
-            let faces = checks.face_numbers().in_file(Elements::Faces(faces_through(checks.garment(), &body.mesh)?));
+            let faces = checks.face_numbers().in_file(Elements::Faces(faces_through(checks.garment(), body)?));
             warnings.extend(crossing(&checks.garment().prim, faces));
         }
         checks = checks.with_warnings(warnings);
@@ -91,8 +87,9 @@ impl Stage {
         let shown = with_listed_sets(&checks);
         let looks = source.looks();
         let images = Images::of(looks.values());
-        let message = message(&source, &checks, &shown, (&looks, &images), input, body.as_ref());
-        Ok(Self { source, mesh, checks, shown, upstream, given, fit, body, way, images, message })
+        let message = message(&source, &checks, &shown, (&looks, &images), input, body.as_deref());
+        let files = source.facts().layers.iter().chain(of_body.iter().flatten()).map(PathBuf::from).collect();
+        Ok(Self { source, mesh, checks, shown, upstream, given, fit, body, files, way, images, message })
     }
 
     /// The message about a share of the way, and the points of the body there; none without a way.
@@ -144,12 +141,6 @@ impl Stage {
     pub fn folder(&self) -> PathBuf {
         std::path::absolute(folder_of(self.source.file())).unwrap_or_default()
     }
-
-    /// Files of the stage.
-    pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
-        let of_body = self.body.iter().flat_map(|body| body.files.iter().cloned());
-        self.source.facts().layers.iter().map(PathBuf::from).chain(of_body)
-    }
 }
 
 /// The overrides of an input, and those by which its garment is fitted.
@@ -163,17 +154,17 @@ fn overrides(input: &Input, fit: Option<&BodyOptions>) -> Vec<String> {
 }
 
 /// The body that the input names, or else the one to which the garment is fitted.
-fn body_under(garment: &OpenGarment, input: &Input, to: &str) -> Result<Option<Body>, Error> {
+fn body_under(garment: &OpenGarment, input: &Input, to: &str) -> Result<Option<(Arc<Mesh>, Vec<String>)>, Error> {
     let of_recipe = || (!to.is_empty()).then(|| PathBuf::from(to));
     let Some(file) = input.body.clone().or_else(of_recipe) else { return Ok(None) };
     let body = Source::open(&file, &ReadOptions { time: input.read.time, unsewn: true, ..ReadOptions::default() })?;
     let mesh = body_of(&garment.source, &body)?;
     // Its faces stay as they are on the way.
     let mesh = match garment.way.as_ref().filter(|_| input.body.is_none()) {
-        Some(way) => Arc::new(Mesh { prim: mesh.prim, ..way.at(1.0).1 }),
-        None => Arc::new(mesh),
+        Some(way) => Mesh { prim: mesh.prim, ..way.at(1.0).1 },
+        None => mesh,
     };
-    Ok(Some(Body { mesh, files: body.facts().layers.iter().map(PathBuf::from).collect() }))
+    Ok(Some((Arc::new(mesh), body.facts().layers.clone())))
 }
 
 /// Stations of the way whose points are primvars of the garment. Its products carry them as they carry any primvar, and
@@ -197,10 +188,14 @@ pub fn points_on_way(mesh: &Mesh, share: f64) -> Vec<Vec3> {
     let place = share * STATIONS as f64;
     let (at, along) = (place as usize, place.fract() as f32);
     let primvars = [at, (at + 1).min(STATIONS), STATIONS].map(|at| mesh.primvar(&station(at)));
-    let [Some(a), Some(b), Some(end)] = primvars.map(|primvar| primvar.and_then(|primvar| match &primvar.values {
-        Values::F32(values) if values.len() == 3 * mesh.points.len() => Some(values),
-        _ => None,
-    })) else { return mesh.points.as_slice().to_vec() };
+    let [Some(a), Some(b), Some(end)] = primvars.map(|primvar| {
+        primvar.and_then(|primvar| match &primvar.values {
+            Values::F32(values) if values.len() == 3 * mesh.points.len() => Some(values),
+            _ => None,
+        })
+    }) else {
+        return mesh.points.as_slice().to_vec();
+    };
     let value = |values: &[f32], i: usize| Vec3::from_slice(&values[3 * i..3 * i + 3]);
     // Exact for the garment itself, whose points are those of the end.
     let moved = |(i, point): (usize, &Vec3)| value(a, i).lerp(value(b, i), along) + (*point - value(end, i));
@@ -259,7 +254,7 @@ fn message(
     shown: &Mesh,
     (looks, images): (&BTreeMap<String, Look>, &Images),
     input: &Input,
-    body: Option<&Body>,
+    body: Option<&Mesh>,
 ) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let warnings = checks.face_numbers().warnings_in_mesh(checks.warnings().clone());
@@ -282,7 +277,7 @@ fn message(
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),
         fabrics: FABRICS.iter().filter_map(|&name| Some((name, Fabric::preset(name)?))).collect(),
-        body: body.map(|body| body.mesh.prim.clone()),
+        body: body.map(|body| body.prim.clone()),
         suggested: suggested(source, input),
         warnings: warnings.iter().collect(),
     })

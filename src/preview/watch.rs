@@ -76,7 +76,7 @@ fn paths(file: &Path) -> impl Iterator<Item = PathBuf> {
 impl WatchList {
     fn update(&mut self, hub: &Hub) {
         let stage = hub.snapshot().stage;
-        self.files.extend(stage.files().flat_map(|file| paths(&file).collect::<Vec<_>>()));
+        self.files.extend(stage.files.iter().flat_map(|file| paths(file)));
         self.presets.extend(paths(&presets::file_of(&stage)));
         let folders: BTreeSet<PathBuf> =
             self.files.iter().chain(&self.presets).filter_map(|file| file.parent().map(Path::to_owned)).collect();

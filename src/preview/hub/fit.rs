@@ -1,5 +1,6 @@
-//! Fits the garment again where the recipe names other bodies, and finds bodies beside it.
+//! Fits the garment again where the recipe names other bodies, finds bodies beside it, and shows it on the way to its body.
 
+use super::workers::guarded;
 use super::{Hub, HubState};
 use crate::messages::{BodiesMessage, Role, ServerMessage};
 use crate::stage::{Stage, points_on_way};
@@ -7,7 +8,6 @@ use rayon::ThreadPool;
 use std::collections::BTreeSet;
 use std::fs;
 use std::iter::once;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
 use tailor_costume::fit::BodyOptions;
@@ -21,12 +21,6 @@ const MOST_FILES: usize = 100;
 /// A larger file is not opened to look for a body. \[bytes\]
 const MOST_BYTES: u64 = 64 << 20;
 
-/// A fit that could not be made.
-pub struct FailedFit {
-    fit: BodyOptions,
-    faults: Vec<Fault>,
-}
-
 impl Hub {
     /// Shows all meshes after a share of the way; nothing changes without a fit.
     pub fn show_on_way(&self, share: f64) {
@@ -38,20 +32,16 @@ impl Hub {
         loop {
             let Some(fit) = self.next_fit() else {
                 let stage = self.snapshot().stage;
-                let files = catch_unwind(AssertUnwindSafe(|| bodies_beside(&stage))).unwrap_or_default();
-                let message = BodiesMessage { folder: stage.folder().display().to_string(), files };
+                let files = guarded(pool, || Ok(bodies_beside(&stage))).unwrap_or_default();
+                let message = BodiesMessage { folder: stage.folder(), files };
                 self.change(|shared| shared.tell("bodies", &ServerMessage::Bodies(message)));
                 continue;
             };
+            self.change(|shared| shared.show_step(Role::Model, Some("fitting the garment to the body")));
+            let read = guarded(pool, || self.read_fitted(&fit, |_| ()));
             self.change(|shared| {
-                shared.snapshot.progress.insert(Role::Model, "fitting the garment to the body".to_owned());
-            });
-            let read = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.read_fitted(&fit, |_| ()))));
-            self.change(|shared| {
-                shared.snapshot.progress.remove(&Role::Model);
-                if let Err(error) = read.unwrap_or_else(|_| Err(Error::internal("the fit ended unexpectedly"))) {
-                    shared.fail_fit(fit, error);
-                }
+                shared.show_step(Role::Model, None);
+                read.unwrap_or_else(|error| shared.fail_fit(fit, error));
             });
         }
     }
@@ -60,10 +50,8 @@ impl Hub {
     fn next_fit(&self) -> Option<BodyOptions> {
         let mut shared = self.lock();
         loop {
-            if shared.wanted_fit.is_some() {
+            if shared.wanted_fit.is_some() || std::mem::take(&mut shared.may_have_bodies) {
                 return shared.wanted_fit.clone();
-            } else if std::mem::take(&mut shared.may_have_bodies) {
-                return None;
             }
             shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
         }
@@ -77,11 +65,9 @@ impl HubState {
         let Some((message, body)) = self.snapshot.stage.on_way(share) else { return };
         self.share = message.share;
         self.tell("fit", &ServerMessage::Fit(&message));
-        if share < 1.0 {
-            let under = self.snapshot.shown.get(&Role::Body).map(|shown| Arc::new(shown.moved(body)));
-            self.snapshot.on_way.extend(under.map(|shown| (Role::Body, shown)));
-            [Role::Model, Role::Sim, Role::Render].into_iter().for_each(|role| self.move_on_way(role));
-        }
+        let body = self.snapshot.shown.get(&Role::Body).map(|shown| Arc::new(shown.moved(body)));
+        self.snapshot.on_way.extend(body.map(|shown| (Role::Body, shown)));
+        [Role::Model, Role::Sim, Role::Render].into_iter().for_each(|role| self.move_on_way(role));
     }
 
     /// Moves a mesh that was built to the place on the way that is shown.
@@ -94,7 +80,7 @@ impl HubState {
     /// Asks for a fit, unless it has failed already. Gives its faults then.
     pub fn want_fit(&mut self, fit: BodyOptions) -> Vec<Fault> {
         match &self.failed_fit {
-            Some(failed) if failed.fit == fit => failed.faults.clone(),
+            Some((failed, faults)) if *failed == fit => faults.clone(),
             _ => {
                 self.wanted_fit = Some(fit);
                 Vec::new()
@@ -103,36 +89,26 @@ impl HubState {
     }
 
     /// Notes that a fit cannot be made. Its faults are those of its options.
-    pub fn fail_fit(&mut self, fit: BodyOptions, error: Error) {
-        let of_option = |fault: Fault| match fault.place.starts_with("fit.") {
-            true => fault,
-            false => Fault { text: format!("{}: {}", fault.place, fault.text), place: "fit.to".into(), ..fault },
-        };
-        let faults = error.faults.into_iter().map(of_option).collect();
-        self.failed_fit = Some(FailedFit { fit, faults });
+    pub fn fail_fit(&mut self, fit: BodyOptions, mut error: Error) {
+        for fault in error.faults.iter_mut().filter(|fault| !fault.place.starts_with("fit.")) {
+            fault.text = format!("{}: {}", std::mem::replace(&mut fault.place, "fit.to".into()), fault.text);
+        }
+        self.failed_fit = Some((fit, error.faults));
         self.refresh();
     }
 }
 
-/// USD files with one mesh in the garment's folder, in those within it and in those beside it, relative to it.
-fn bodies_beside(stage: &Stage) -> Vec<String> {
-    let own = stage.folder();
+/// USD files with one mesh in the garment's folder, in those within it and in those beside it.
+fn bodies_beside(stage: &Stage) -> Vec<PathBuf> {
     let within = |folder: &Path| -> BTreeSet<PathBuf> {
         fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
     };
-    let above = own.parent().unwrap_or(&own);
-    let beside = within(above).into_iter().filter(|path| *path != own);
-    let folders = within(&own).into_iter().chain(beside).filter(|path| path.is_dir());
-    let files = once(own.clone()).chain(folders).flat_map(|folder| within(&folder)).filter(|file| {
+    let (own, one_mesh) = (stage.folder(), ReadOptions { unsewn: true, ..ReadOptions::default() });
+    let near = within(&own).into_iter().chain(own.parent().map(within).unwrap_or_default());
+    let folders = once(own.clone()).chain(near.filter(|path| path.is_dir() && *path != own));
+    let files = folders.flat_map(|folder| within(&folder)).filter(|file| {
         let is_small = fs::metadata(file).is_ok_and(|of| of.is_file() && of.len() <= MOST_BYTES);
         is_small && is_usd(file) && file.file_name() != stage.source.file().file_name()
     });
-    let one_mesh = ReadOptions { unsewn: true, ..ReadOptions::default() };
-    let bodies = files.take(MOST_FILES).filter(|file| Source::open(file, &one_mesh).is_ok()).take(MOST_BODIES);
-    let relative = |file: PathBuf| match (file.strip_prefix(&own), file.strip_prefix(above)) {
-        (Ok(within), _) => within.display().to_string(),
-        (_, Ok(beside)) => Path::new("..").join(beside).display().to_string(),
-        _ => file.display().to_string(),
-    };
-    bodies.map(relative).collect()
+    files.take(MOST_FILES).filter(|file| Source::open(file, &one_mesh).is_ok()).take(MOST_BODIES).collect()
 }

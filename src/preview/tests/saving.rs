@@ -241,7 +241,8 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
     assert_eq!(recipe(&saved), asked(&hub));
     let all = ReadOptions { all: true, ..ReadOptions::default() };
-    let error = Stage::open(&Input { file, read: all, ..Input::default() }, None).err().expect("two garments").to_string();
+    let error =
+        Stage::open(&Input { file, read: all, ..Input::default() }, None).err().expect("two garments").to_string();
     assert!(error.contains("2 garments") && error.contains("/Suit, /belt"), "{error}");
 }
 

@@ -17,6 +17,7 @@ export interface Options {
   seam?: Record<string, Fields>;
   fold?: Record<string, Fields>;
   cloth?: Fields;
+  fit?: Fields;
   lod?: Fields;
   fabric?: Record<string, Fields>;
 }

@@ -41,6 +41,14 @@ export type Blocks = {
   elements: Block | null,
 };
 
+/** Files that may be bodies. Sent at first, and again after files were read again. */
+export type BodiesMessage = {
+  /** The folder of the garment. */
+  folder: string,
+  /** The files. */
+  files: Array<string>,
+};
+
 /** A build that a page started. */
 export type BuildMessage = {
   /** The output. */
@@ -233,8 +241,8 @@ export type Figures = {
 export type FitMessage = {
   /** The share of the way, from 0 to 1. */
   share: number,
-  /** The faces of the garment that cross the body there. */
-  crossings: Array<number>,
+  /** The warning of the faces of the garment that cross the body there. */
+  warning: Warning | null,
   /** How many of them do not at the start. */
   new: number,
 };
@@ -580,6 +588,7 @@ export type ServerMessage =
   | { "type": "build" } & BuildMessage
   | { "type": "shot" } & ShotMessage
   | { "type": "fit" } & FitMessage
+  | { "type": "bodies" } & BodiesMessage
   | { "type": "progress" } & ProgressMessage
   | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage

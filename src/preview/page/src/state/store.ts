@@ -342,6 +342,8 @@ export class Store {
         return this.player.receive(message);
       case "fit":
         return this.way.receive(message);
+      case "bodies":
+        return this.update({ bodies: message });
       case "cloth":
         return this.update({ cloth: message });
       case "progress":

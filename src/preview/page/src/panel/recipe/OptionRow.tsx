@@ -8,6 +8,8 @@ import { automaticLength } from "../../state/garment";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
 import { isMixed, keysWith } from "../../state/cards";
+import { Icon } from "../controls/icons";
+import { MenuButton, type MenuItem } from "../controls/Menu";
 import { IconButton, Segments, Select, Switch } from "../controls/controls";
 import { NumberField } from "../controls/NumberField";
 import { Slider, type Range } from "../controls/Slider";
@@ -111,7 +113,7 @@ function Control({ option, full, ...described }: ControlProps) {
     case "primPath":
       return <TextField {...described} value={String(value)} placeholder="/Body/hips" change={set} />;
     case "file":
-      return <TextField {...described} value={String(value)} placeholder="body.usd" change={set} />;
+      return <FileChoice {...described} value={String(value)} change={set} />;
     case "words": {
       const chosen = Array.isArray(value) ? value : [];
       return <WordChoice {...described} words={domain.words} chosen={chosen} change={set} />;
@@ -152,6 +154,24 @@ function NameSelect({ value, of, change, mixed, ...described }: NamedSelectProps
     : [{ choices: [...first, ...primvars] }];
   const filled = groups.filter(({ choices }) => choices.length > 0);
   return <Select {...described} value={mixed ? MIXED : value} groups={filled} change={(name) => name !== MIXED && change(name)} />;
+}
+
+/** A file that is typed, or chosen from those beside the garment. Paths below its folder are shown from there. */
+function FileChoice({ value, change, ...described }: NamedSelectProps) {
+  const bodies = useSelect((state) => state.bodies);
+  const isBelow = bodies !== null && value.startsWith(bodies.folder);
+  const items = (): MenuItem[] => [
+    ...(value === "" ? [] : [{ label: "none", pick: () => change("") }]),
+    ...(bodies?.files ?? []).map((file) => ({ label: file, pick: () => change(file) })),
+  ];
+  return (
+    <span class="file-choice">
+      <TextField {...described} value={isBelow ? value.slice(bodies.folder.length + 1) : value} placeholder="body.usd" change={change} />
+      <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} empty="No files with one mesh are near the garment">
+        <Icon name="down" />
+      </MenuButton>
+    </span>
+  );
 }
 
 /** A fabric that every recipe has, or one of this recipe. */
