@@ -151,6 +151,7 @@ impl Client {
     }
 
     fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
+        self.meshes.retain(|role, _| now.shown.contains_key(role));
         for (&role, shown) in now.shown.iter().filter(|(role, _)| self.view.roles.contains(role)) {
             let shown = now.posed.get(&role).or(now.on_way.get(&role)).unwrap_or(shown);
             match frame(role, shown, &self.view, self.meshes.entry(role).or_default()) {

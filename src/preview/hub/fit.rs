@@ -15,9 +15,10 @@ use tailor_mesh::error::{Error, Fault};
 use tailor_usd::session::is_usd;
 use tailor_usd::{ReadOptions, Source};
 
-/// Bodies that are offered at most, and files among which they are looked for.
+/// Bodies that are offered at most, files and folders that are looked at for them, and entries of one folder.
 const MOST_BODIES: usize = 40;
 const MOST_FILES: usize = 100;
+const MOST_ENTRIES: usize = 10_000;
 /// A larger file is not opened to look for a body. \[bytes\]
 const MOST_BYTES: u64 = 64 << 20;
 
@@ -101,12 +102,12 @@ impl HubState {
 /// USD files with one mesh in the garment's folder, in those within it and in those beside it.
 fn bodies_beside(stage: &Stage) -> Vec<PathBuf> {
     let within = |folder: &Path| -> BTreeSet<PathBuf> {
-        fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+        fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_ENTRIES).map(|entry| entry.path()).collect()
     };
     let (own, one_mesh) = (stage.folder(), ReadOptions { unsewn: true, ..ReadOptions::default() });
     let near = within(&own).into_iter().chain(own.parent().map(within).unwrap_or_default());
     let folders = once(own.clone()).chain(near.filter(|path| path.is_dir() && *path != own));
-    let files = folders.flat_map(|folder| within(&folder)).filter(|file| {
+    let files = folders.take(MOST_FILES).flat_map(|folder| within(&folder)).filter(|file| {
         let is_small = fs::metadata(file).is_ok_and(|of| of.is_file() && of.len() <= MOST_BYTES);
         is_small && is_usd(file) && file.file_name() != stage.source.file().file_name()
     });

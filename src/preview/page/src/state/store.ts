@@ -367,6 +367,7 @@ export class Store {
     if (this.state.isolated) this.isolate(null);
     // The kept meshes of another model have other numbers of edges and faces.
     if (this.state.garment?.checksum !== garment.checksum) this.split(null);
+    if (garment.body === null) this.#drop("body");
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);

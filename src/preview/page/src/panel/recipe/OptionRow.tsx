@@ -156,17 +156,24 @@ function NameSelect({ value, of, change, mixed, ...described }: NamedSelectProps
   return <Select {...described} value={mixed ? MIXED : value} groups={filled} change={(name) => name !== MIXED && change(name)} />;
 }
 
-/** A file that is typed, or chosen from those beside the garment. Paths below its folder are shown from there. */
+/** A path from a folder, if it leads into that or into one beside it. */
+function fromFolder(path: string, folder: string): string {
+  const above = folder.slice(0, folder.search(/[^/\\]+$/));
+  if (above === "" || !path.startsWith(above)) return path;
+  const below = path.startsWith(folder) && /[/\\]/.test(path.charAt(folder.length));
+  return below ? path.slice(folder.length + 1) : `../${path.slice(above.length)}`;
+}
+
+/** A file that is typed, or chosen from those near the garment. */
 function FileChoice({ value, change, ...described }: NamedSelectProps) {
-  const bodies = useSelect((state) => state.bodies);
-  const isBelow = bodies !== null && value.startsWith(bodies.folder);
+  const { folder, files } = useSelect((state) => state.bodies) ?? { folder: "", files: [] };
   const items = (): MenuItem[] => [
     ...(value === "" ? [] : [{ label: "none", pick: () => change("") }]),
-    ...(bodies?.files ?? []).map((file) => ({ label: file, pick: () => change(file) })),
+    ...files.map((file) => ({ label: fromFolder(file, folder), pick: () => change(file) })),
   ];
   return (
     <span class="file-choice">
-      <TextField {...described} value={isBelow ? value.slice(bodies.folder.length + 1) : value} placeholder="body.usd" change={change} />
+      <TextField {...described} value={fromFolder(value, folder)} placeholder="body.usd" change={change} />
       <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} empty="No files with one mesh are near the garment">
         <Icon name="down" />
       </MenuButton>
