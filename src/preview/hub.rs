@@ -91,8 +91,6 @@ struct HubState {
     /// The bodies by which the garment is to be fitted again.
     wanted_fit: Option<BodyOptions>,
     failed_fit: Option<(BodyOptions, Vec<Fault>)>,
-    /// Whether bodies are to be looked for.
-    may_have_bodies: bool,
     /// The share of the way of the fit that is shown.
     share: f64,
     is_building: bool,
@@ -108,6 +106,8 @@ pub struct Hub {
     shared: Mutex<HubState>,
     /// Held while the stage is read, so that a slow read does not end after a newer one.
     reading: Mutex<()>,
+    /// Held while bodies are looked for.
+    finding: Mutex<()>,
     work: Condvar,
     changed: watch::Sender<()>,
 }
@@ -135,15 +135,15 @@ impl Hub {
             level: 0,
             wanted_fit: None,
             failed_fit: None,
-            may_have_bodies: true,
             share: 1.0,
             is_building: false,
             simulated: None,
             saved,
             shot: None,
         };
-        let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
-        let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
+        let (shared, changed) = (Mutex::new(shared), watch::Sender::new(()));
+        let (reading, finding, work) = Default::default();
+        let hub = Arc::new(Self { shared, reading, finding, work, changed });
         hub.change(HubState::show_model);
         hub
     }
@@ -249,7 +249,7 @@ impl Hub {
 
     /// Reads the files again. The document stays; after a fault the last garment stays too.
     pub fn reload(&self) {
-        self.change(|shared| (shared.failed_fit, shared.may_have_bodies) = (None, true));
+        self.change(|shared| shared.failed_fit = None);
         self.read(|_| ());
     }
 
@@ -350,7 +350,7 @@ impl HubState {
 
     /// The file that has what is on screen.
     fn saved_as(&self) -> Option<&SavedAs> {
-        let is_saved = !self.document.is_unsaved() && self.saved.selects(&self.input.read.variants);
+        let is_saved = !self.document.is_unsaved() && self.saved.variants == self.input.read.variants;
         is_saved.then_some(&self.saved)
     }
 
@@ -364,7 +364,7 @@ impl HubState {
             None => drop(self.snapshot.shown.remove(&Role::Body)),
         }
         self.snapshot.messages.remove("fit");
-        self.show_on_way(1.0);
+        self.show_on_way(&stage, stage.on_way(1.0));
     }
 
     /// Shows a mesh of a file.

@@ -12,7 +12,7 @@ mod selection;
 mod shot;
 
 pub use build::{BuildMessage, BuildStatus};
-pub use garment::{GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, SetInfo, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use presets::{PresetSavedMessage, PresetsMessage};
 pub use product::{ClothMessage, Figures, ProductMessage, lengths};
@@ -142,11 +142,13 @@ pub enum PageMessage {
         /// Its number; the last one if there are fewer.
         level: u32,
     },
-    /// Shows the garment and the body on the way of the fit.
+    /// Shows all meshes on the way of the fit.
     Fit {
         /// The share of the way, from 0 to 1.
         share: f64,
     },
+    /// Looks for bodies near the garment.
+    Bodies,
     /// Shows a frame of the cache.
     Pose {
         /// Its number, from 0; null for the meshes at bind.
@@ -200,8 +202,8 @@ pub enum ServerMessage<'a> {
     Shot(&'a ShotMessage),
     /// The place on the way of the fit.
     Fit(&'a FitMessage),
-    /// The bodies beside the garment.
-    Bodies(BodiesMessage),
+    /// The bodies near the garment.
+    Bodies(BodiesMessage<'a>),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.
@@ -309,14 +311,15 @@ pub struct FitMessage {
     pub new: usize,
 }
 
-/// Files that may be bodies. Sent at first, and again after files were read again.
+/// The answer to `bodies`: files with one mesh near the garment. Sent for each that is found.
 #[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct BodiesMessage {
-    /// The folder of the garment.
-    pub folder: PathBuf,
+pub struct BodiesMessage<'a> {
     /// The files.
-    pub files: Vec<PathBuf>,
+    pub files: &'a [PathBuf],
+    /// False while it is looked for more.
+    pub is_complete: bool,
 }
 
 /// Work that has begun or ended.

@@ -93,6 +93,7 @@ impl Client {
             }
             PageMessage::Level { level } => hub.show_level(level),
             PageMessage::Fit { share } => hub.show_on_way(share),
+            PageMessage::Bodies => hub.find_bodies(),
             PageMessage::Pose { frame } => hub.pose(frame),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Reload => {

@@ -4,8 +4,7 @@ mod images;
 
 use super::document::{Options, changed};
 use super::messages::{
-    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis,
-    VariantSet,
+    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, VariantSet,
 };
 use glam::Vec3;
 use serde_json::Value;
@@ -62,12 +61,16 @@ impl Stage {
     /// # Errors
     /// A file that cannot be read, bodies that do not fit, faults of the mesh.
     pub fn open(input: &Input, fit: Option<&BodyOptions>) -> Result<Self, Error> {
-        let garment = Input { overrides: overrides(input, fit), ..input.clone() }.open_one()?;
-        let fit = garment.layers().recipe().unwrap_or_default().fit;
-        let (body, of_body) = body_under(&garment, input, &fit.to)?.unzip();
-        let OpenGarment { source, mesh, authored, given, way, mut warnings } = garment;
+        let opened = Input { overrides: overrides(input, fit), ..input.clone() }.open_one()?;
+        let OpenGarment { source, mesh, authored, given, way, mut warnings } = opened;
+        let upstream = authored.into_map();
+        let mut given = changed(&given.into_map(), &upstream);
+        map_files(&mut given, |path| std::path::absolute(path).unwrap_or_else(|_| path.into()));
+        let of_recipe = || merged(&upstream, &given).recipe().unwrap_or_default().fit;
+        let fit = fit.cloned().unwrap_or_else(of_recipe);
         // A body that is named here may be another than that of the recipe.
         let way = way.filter(|_| input.body.is_none());
+        let (body, of_body) = body_under(&source, way.as_ref(), input, &fit.to)?.unzip();
         let mut on_way = mesh.clone();
         on_way.primvars.extend(way.iter().flat_map(stations));
         let mut checks = Builder::new(on_way)?;
@@ -81,9 +84,6 @@ impl Stage {
             let before = crossing_at(checks.garment(), 0.0, &way.at(0.0).1);
             (way, before)
         });
-        let upstream = authored.into_map();
-        let mut given = changed(&given.into_map(), &upstream);
-        map_files(&mut given, |path| std::path::absolute(path).unwrap_or_else(|_| path.into()));
         let shown = with_listed_sets(&checks);
         let looks = source.looks();
         let images = Images::of(looks.values());
@@ -118,10 +118,7 @@ impl Stage {
 
     /// The options of the stage with `edits`.
     pub fn layers(&self, edits: &Options) -> Layers {
-        let mut layers = Layers::default();
-        layers.add(self.upstream.clone());
-        layers.add(edits.clone());
-        layers
+        merged(&self.upstream, edits)
     }
 
     /// The edits without a list of operators that says what holds without it, with relative paths as those beside the garment.
@@ -139,8 +136,19 @@ impl Stage {
 
     /// The folder of the garment.
     pub fn folder(&self) -> PathBuf {
-        std::path::absolute(folder_of(self.source.file())).unwrap_or_default()
+        folder(&self.source)
     }
+}
+
+fn folder(source: &Source) -> PathBuf {
+    std::path::absolute(folder_of(source.file())).unwrap_or_default()
+}
+
+fn merged(upstream: &Options, edits: &Options) -> Layers {
+    let mut layers = Layers::default();
+    layers.add(upstream.clone());
+    layers.add(edits.clone());
+    layers
 }
 
 /// The overrides of an input, and those by which its garment is fitted.
@@ -154,13 +162,18 @@ fn overrides(input: &Input, fit: Option<&BodyOptions>) -> Vec<String> {
 }
 
 /// The body that the input names, or else the one to which the garment is fitted.
-fn body_under(garment: &OpenGarment, input: &Input, to: &str) -> Result<Option<(Arc<Mesh>, Vec<String>)>, Error> {
+fn body_under(
+    garment: &Source,
+    way: Option<&FitWay>,
+    input: &Input,
+    to: &str,
+) -> Result<Option<(Arc<Mesh>, Vec<String>)>, Error> {
     let of_recipe = || (!to.is_empty()).then(|| PathBuf::from(to));
     let Some(file) = input.body.clone().or_else(of_recipe) else { return Ok(None) };
     let body = Source::open(&file, &ReadOptions { time: input.read.time, unsewn: true, ..ReadOptions::default() })?;
-    let mesh = body_of(&garment.source, &body)?;
+    let mesh = body_of(garment, &body)?;
     // Its faces stay as they are on the way.
-    let mesh = match garment.way.as_ref().filter(|_| input.body.is_none()) {
+    let mesh = match way {
         Some(way) => Mesh { prim: mesh.prim, ..way.at(1.0).1 },
         None => mesh,
     };
@@ -262,9 +275,10 @@ fn message(
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
+        folder: folder(source),
         file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         prim: &facts.prim,
-        up_axis: UpAxis::named(&facts.up_axis),
+        up_axis: if facts.up_axis == "Z" { "Z" } else { "Y" },
         meters_per_unit: facts.meters_per_unit,
         points: garment.points.len(),
         faces: garment.faces.len(),

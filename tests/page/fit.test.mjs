@@ -43,7 +43,10 @@ test("bodies are chosen from the files beside the garment, and the garment is fi
   const garment = sheet(t);
   const preview = await show(t, garment);
   const { page } = preview;
-  const offered = await (await preview.when(() => preview.store.state.bodies?.files)).jsonValue();
+  await preview.row("fit.from").getByRole("button", { name: /^Files for/ }).click();
+  await preview.when(() => preview.store.state.bodies.isComplete, null, 60_000);
+  await page.keyboard.press("Escape");
+  const offered = await preview.state(({ bodies }) => bodies.files);
   assert.deepEqual(offered.slice(0, 2), ["thick.usda", "thin.usda"].map((name) => join(dirname(garment), name)));
   assert.ok(offered.length <= 40 && !offered.includes(garment), `${offered}`);
   const section = page.getByRole("region", { name: "Fit" });
@@ -152,10 +155,10 @@ test("the slider moves all meshes, and its end is what a build writes", async (t
 });
 
 /** Pixels in the colour of crossings. */
-function red({ width, height, data }) {
+function red({ channels, pixels }) {
   let count = 0;
-  for (let i = 0; i < width * height; i++) {
-    const [r, g, b] = data.subarray(4 * i, 4 * i + 3);
+  for (let at = 0; at < pixels.length; at += channels) {
+    const [r, g, b] = pixels.subarray(at, at + 3);
     if (r > 150 && r > 2 * g && r > 2 * b) count += 1;
   }
   return count;

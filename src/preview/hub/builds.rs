@@ -22,7 +22,7 @@ pub struct SavedAs {
     /// Its options as `--set`.
     overrides: Vec<String>,
     /// The variants that it selects.
-    variants: Vec<Selection>,
+    pub variants: Vec<Selection>,
 }
 
 impl SavedAs {
@@ -40,11 +40,6 @@ impl SavedAs {
     /// A file that was saved.
     pub fn saved(file: &Path, variants: &[Selection]) -> Self {
         Self { file: file.to_path_buf(), recipe: None, overrides: Vec::new(), variants: variants.to_vec() }
-    }
-
-    /// True if it selects these variants.
-    pub fn selects(&self, variants: &[Selection]) -> bool {
-        self.variants == variants
     }
 
     /// The arguments of a build to `output`.

@@ -2,14 +2,16 @@
 
 use super::workers::guarded;
 use super::{Hub, HubState};
-use crate::messages::{BodiesMessage, Role, ServerMessage};
+use crate::messages::{BodiesMessage, FitMessage, Role, ServerMessage};
 use crate::stage::{Stage, points_on_way};
+use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeSet;
 use std::fs;
 use std::iter::once;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError};
+use std::thread;
 use tailor_costume::fit::BodyOptions;
 use tailor_mesh::error::{Error, Fault};
 use tailor_usd::session::is_usd;
@@ -25,19 +27,31 @@ const MOST_BYTES: u64 = 64 << 20;
 impl Hub {
     /// Shows all meshes after a share of the way; nothing changes without a fit.
     pub fn show_on_way(&self, share: f64) {
-        self.change(|shared| shared.show_on_way(share));
+        let stage = self.snapshot().stage;
+        let place = stage.on_way(share);
+        self.change(|shared| shared.show_on_way(&stage, place));
     }
 
-    /// Fits for ever, and finds bodies.
+    /// Looks for bodies near the garment on a thread of its own, and sends each that it finds.
+    pub fn find_bodies(self: &Arc<Self>) {
+        let hub = Arc::clone(self);
+        let work = move || {
+            let Ok(_finding) = hub.finding.try_lock() else { return };
+            let (stage, mut files) = (hub.snapshot().stage, Vec::new());
+            for file in bodies_near(&stage).map(Some).chain([None]) {
+                let is_complete = file.is_none();
+                files.extend(file);
+                let message = ServerMessage::Bodies(BodiesMessage { files: &files, is_complete });
+                hub.change(|shared| shared.tell("bodies", &message));
+            }
+        };
+        let _ = thread::Builder::new().name("bodies".into()).spawn(work);
+    }
+
+    /// Fits for ever.
     pub fn work_on_fit(self: &Arc<Self>, pool: &ThreadPool) {
         loop {
-            let Some(fit) = self.next_fit() else {
-                let stage = self.snapshot().stage;
-                let files = guarded(pool, || Ok(bodies_beside(&stage))).unwrap_or_default();
-                let message = BodiesMessage { folder: stage.folder(), files };
-                self.change(|shared| shared.tell("bodies", &ServerMessage::Bodies(message)));
-                continue;
-            };
+            let fit = self.next_fit();
             self.change(|shared| shared.show_step(Role::Model, Some("fitting the garment to the body")));
             let read = guarded(pool, || self.read_fitted(&fit, |_| ()));
             self.change(|shared| {
@@ -47,23 +61,25 @@ impl Hub {
         }
     }
 
-    /// Waits for bodies other than those by which the garment is fitted; none if files beside it may be new.
-    fn next_fit(&self) -> Option<BodyOptions> {
+    /// Waits for bodies other than those by which the garment is fitted.
+    fn next_fit(&self) -> BodyOptions {
         let mut shared = self.lock();
         loop {
-            if shared.wanted_fit.is_some() || std::mem::take(&mut shared.may_have_bodies) {
-                return shared.wanted_fit.clone();
+            match shared.wanted_fit.clone() {
+                Some(fit) => return fit,
+                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
             }
-            shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
         }
     }
 }
 
 impl HubState {
-    /// Shows all meshes after a share of the way of the fit. At its end they are as they were built.
-    pub fn show_on_way(&mut self, share: f64) {
+    /// Shows all meshes at a place on the way of the fit, with the points of the body there. At its end they are as they were built.
+    pub fn show_on_way(&mut self, stage: &Arc<Stage>, place: Option<(FitMessage, Vec<Vec3>)>) {
         self.snapshot.on_way.clear();
-        let Some((message, body)) = self.snapshot.stage.on_way(share) else { return };
+        // Of a garment that was read meanwhile, the end is shown.
+        let is_shown = Arc::ptr_eq(&self.snapshot.stage, stage);
+        let Some((message, body)) = place.filter(|_| is_shown) else { return };
         self.share = message.share;
         self.tell("fit", &ServerMessage::Fit(&message));
         let body = self.snapshot.shown.get(&Role::Body).map(|shown| Arc::new(shown.moved(body)));
@@ -99,17 +115,20 @@ impl HubState {
     }
 }
 
+fn entries(folder: &Path) -> BTreeSet<PathBuf> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.take(MOST_ENTRIES).map(|entry| entry.path()).collect()
+}
+
 /// USD files with one mesh in the garment's folder, in those within it and in those beside it.
-fn bodies_beside(stage: &Stage) -> Vec<PathBuf> {
-    let within = |folder: &Path| -> BTreeSet<PathBuf> {
-        fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_ENTRIES).map(|entry| entry.path()).collect()
-    };
-    let (own, one_mesh) = (stage.folder(), ReadOptions { unsewn: true, ..ReadOptions::default() });
-    let near = within(&own).into_iter().chain(own.parent().map(within).unwrap_or_default());
-    let folders = once(own.clone()).chain(near.filter(|path| path.is_dir() && *path != own));
-    let files = folders.take(MOST_FILES).flat_map(|folder| within(&folder)).filter(|file| {
-        let is_small = fs::metadata(file).is_ok_and(|of| of.is_file() && of.len() <= MOST_BYTES);
-        is_small && is_usd(file) && file.file_name() != stage.source.file().file_name()
-    });
-    files.take(MOST_FILES).filter(|file| Source::open(file, &one_mesh).is_ok()).take(MOST_BODIES).collect()
+fn bodies_near(stage: &Stage) -> impl Iterator<Item = PathBuf> {
+    let (own, garment) = (stage.folder(), stage.source.file().file_name());
+    let near = entries(&own).into_iter().chain(own.parent().map(entries).unwrap_or_default());
+    let folders = once(own.clone()).chain(near.filter(move |path| path.is_dir() && *path != own)).take(MOST_FILES);
+    let is_small = |file: &Path| fs::metadata(file).is_ok_and(|of| of.is_file() && of.len() <= MOST_BYTES);
+    let files = folders.flat_map(|folder| entries(&folder));
+    let files = files.filter(move |file| is_usd(file) && is_small(file) && file.file_name() != garment);
+    let has_one_mesh =
+        |file: &PathBuf| Source::open(file, &ReadOptions { unsewn: true, ..ReadOptions::default() }).is_ok();
+    files.take(MOST_FILES).filter(has_one_mesh).take(MOST_BODIES)
 }

@@ -99,7 +99,7 @@ impl Hub {
             let posed = posed.unwrap_or_else(|_| Err(Error::internal("the cache could not be played")));
             let (message, posed) = posed.unwrap_or_else(|error| {
                 (known, bound) = (None, None);
-                (ShotMessage::failed(error.faults.into_iter().next()), BTreeMap::new())
+                (ShotMessage { fault: error.faults.into_iter().next(), ..ShotMessage::default() }, BTreeMap::new())
             });
             self.change(|shared| {
                 shared.snapshot.posed = posed;

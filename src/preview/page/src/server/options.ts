@@ -22,5 +22,8 @@ export interface Options {
   fabric?: Record<string, Fields>;
 }
 
+/** The axis of a stage that points up. */
+export type UpAxis = "Y" | "Z";
+
 /** Presets of each kind of operator, by name. */
 export type Presets = Partial<Record<KindName, Record<string, Fields>>>;

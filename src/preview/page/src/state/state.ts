@@ -34,7 +34,7 @@ export interface State {
   shot: ShotMessage | null;
   /** The place on the way of the fit, with what crosses the body there; null without one. */
   fit: (Omit<FitMessage, "warning"> & { finding: Finding | null }) | null;
-  bodies: BodiesMessage | null;
+  bodies: Omit<BodiesMessage, "type">;
   isPlaying: boolean;
   heat: DrawnValues | null;
   /** Whether the picture is the last one, or a better one comes. */
@@ -113,7 +113,7 @@ export function initialState(): State {
     cloth: null,
     shot: null,
     fit: null,
-    bodies: null,
+    bodies: { files: [], isComplete: false },
     isPlaying: false,
     heat: null,
     isFinal: true,

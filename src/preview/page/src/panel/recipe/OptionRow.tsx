@@ -166,7 +166,9 @@ function fromFolder(path: string, folder: string): string {
 
 /** A file that is typed, or chosen from those near the garment. */
 function FileChoice({ value, change, ...described }: NamedSelectProps) {
-  const { folder, files } = useSelect((state) => state.bodies) ?? { folder: "", files: [] };
+  const store = useStore();
+  const folder = useSelect(({ garment }) => garment?.folder) ?? "";
+  const { files, isComplete } = useSelect((state) => state.bodies);
   const items = (): MenuItem[] => [
     ...(value === "" ? [] : [{ label: "none", pick: () => change("") }]),
     ...files.map((file) => ({ label: fromFolder(file, folder), pick: () => change(file) })),
@@ -174,7 +176,7 @@ function FileChoice({ value, change, ...described }: NamedSelectProps) {
   return (
     <span class="file-choice">
       <TextField {...described} value={fromFolder(value, folder)} placeholder="body.usd" change={change} />
-      <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} empty="No files with one mesh are near the garment">
+      <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} opens={() => store.send({ type: "bodies" })} empty={isComplete ? "No file with one mesh is near the garment" : "Looking for files with one mesh"}>
         <Icon name="down" />
       </MenuButton>
     </span>
