@@ -159,7 +159,7 @@ function red({ channels, pixels }) {
   let count = 0;
   for (let at = 0; at < pixels.length; at += channels) {
     const [r, g, b] = pixels.subarray(at, at + 3);
-    if (r > 150 && r > 2 * g && r > 2 * b) count += 1;
+    if (r > 100 && r > 1.3 * g && r > 1.3 * b) count += 1;
   }
   return count;
 }
