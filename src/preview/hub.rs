@@ -153,6 +153,17 @@ impl Hub {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Waits for changes until something is found.
+    fn wait_for<T>(&self, find: impl Fn(&HubState) -> Option<T>) -> T {
+        let mut shared = self.lock();
+        loop {
+            match find(&shared) {
+                Some(found) => return found,
+                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
     /// Wakes up at each change.
     pub fn subscribe(&self) -> watch::Receiver<()> {
         self.changed.subscribe()
@@ -203,11 +214,7 @@ impl Hub {
 
     /// The revision of the document, and all edits that are in no file, once it is later than `seen`.
     pub fn next_unsaved(&self, seen: u64) -> (u64, Vec<Kept>) {
-        let mut shared = self.lock();
-        while shared.snapshot.state.revision <= seen {
-            shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
-        }
-        shared.unsaved()
+        self.wait_for(|shared| (shared.snapshot.state.revision > seen).then(|| shared.unsaved()))
     }
 
     /// As [`Hub::next_unsaved`], at once.

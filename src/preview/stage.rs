@@ -123,7 +123,7 @@ impl Stage {
 
     /// The edits without a list of operators that says what holds without it, with relative paths as those beside the garment.
     pub fn tidied(&self, mut edits: Options) -> Options {
-        map_files(&mut edits, |path| self.folder().join(path));
+        map_files(&mut edits, |path| folder(&self.source).join(path));
         let has_list = self.upstream.get("render").is_some_and(|render| render.get("operators").is_some());
         if !has_list && self.layers(&edits).lists_default_order() {
             if let Some(render) = edits.get_mut("render").and_then(Value::as_object_mut) {
@@ -133,14 +133,10 @@ impl Stage {
         }
         edits
     }
-
-    /// The folder of the garment.
-    pub fn folder(&self) -> PathBuf {
-        folder(&self.source)
-    }
 }
 
-fn folder(source: &Source) -> PathBuf {
+/// The folder of a garment.
+pub fn folder(source: &Source) -> PathBuf {
     std::path::absolute(folder_of(source.file())).unwrap_or_default()
 }
 
@@ -161,23 +157,18 @@ fn overrides(input: &Input, fit: Option<&BodyOptions>) -> Vec<String> {
     input.overrides.iter().cloned().chain(of_fit).collect()
 }
 
+/// A body and the files that it is in.
+type BodyFiles = (Arc<Mesh>, Vec<String>);
+
 /// The body that the input names, or else the one to which the garment is fitted.
-fn body_under(
-    garment: &Source,
-    way: Option<&FitWay>,
-    input: &Input,
-    to: &str,
-) -> Result<Option<(Arc<Mesh>, Vec<String>)>, Error> {
+fn body_under(garment: &Source, way: Option<&FitWay>, input: &Input, to: &str) -> Result<Option<BodyFiles>, Error> {
     let of_recipe = || (!to.is_empty()).then(|| PathBuf::from(to));
     let Some(file) = input.body.clone().or_else(of_recipe) else { return Ok(None) };
     let body = Source::open(&file, &ReadOptions { time: input.read.time, unsewn: true, ..ReadOptions::default() })?;
     let mesh = body_of(garment, &body)?;
     // Its faces stay as they are on the way.
-    let mesh = match way {
-        Some(way) => Mesh { prim: mesh.prim, ..way.at(1.0).1 },
-        None => mesh,
-    };
-    Ok(Some((Arc::new(mesh), body.facts().layers.clone())))
+    let on_way = way.map(|way| Mesh { prim: mesh.prim.clone(), ..way.at(1.0).1 });
+    Ok(Some((Arc::new(on_way.unwrap_or(mesh)), body.facts().layers.clone())))
 }
 
 /// Stations of the way whose points are primvars of the garment. Its products carry them as they carry any primvar, and
@@ -200,13 +191,11 @@ fn stations(way: &FitWay) -> impl Iterator<Item = PrimvarInput> + '_ {
 pub fn points_on_way(mesh: &Mesh, share: f64) -> Vec<Vec3> {
     let place = share * STATIONS as f64;
     let (at, along) = (place as usize, place.fract() as f32);
-    let primvars = [at, (at + 1).min(STATIONS), STATIONS].map(|at| mesh.primvar(&station(at)));
-    let [Some(a), Some(b), Some(end)] = primvars.map(|primvar| {
-        primvar.and_then(|primvar| match &primvar.values {
-            Values::F32(values) if values.len() == 3 * mesh.points.len() => Some(values),
-            _ => None,
-        })
-    }) else {
+    let values = |at: usize| match mesh.primvar(&station(at)).map(|primvar| &primvar.values) {
+        Some(Values::F32(values)) => values.get(..3 * mesh.points.len()),
+        _ => None,
+    };
+    let [Some(a), Some(b), Some(end)] = [at, (at + 1).min(STATIONS), STATIONS].map(values) else {
         return mesh.points.as_slice().to_vec();
     };
     let value = |values: &[f32], i: usize| Vec3::from_slice(&values[3 * i..3 * i + 3]);

@@ -3,14 +3,14 @@
 use super::workers::guarded;
 use super::{Hub, HubState};
 use crate::messages::{BodiesMessage, FitMessage, Role, ServerMessage};
-use crate::stage::{Stage, points_on_way};
+use crate::stage::{Stage, folder, points_on_way};
 use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeSet;
 use std::fs;
 use std::iter::once;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::thread;
 use tailor_costume::fit::BodyOptions;
 use tailor_mesh::error::{Error, Fault};
@@ -63,13 +63,7 @@ impl Hub {
 
     /// Waits for bodies other than those by which the garment is fitted.
     fn next_fit(&self) -> BodyOptions {
-        let mut shared = self.lock();
-        loop {
-            match shared.wanted_fit.clone() {
-                Some(fit) => return fit,
-                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+        self.wait_for(|shared| shared.wanted_fit.clone())
     }
 }
 
@@ -122,7 +116,7 @@ fn entries(folder: &Path) -> BTreeSet<PathBuf> {
 
 /// USD files with one mesh in the garment's folder, in those within it and in those beside it.
 fn bodies_near(stage: &Stage) -> impl Iterator<Item = PathBuf> {
-    let (own, garment) = (stage.folder(), stage.source.file().file_name());
+    let (own, garment) = (folder(&stage.source), stage.source.file().file_name());
     let near = entries(&own).into_iter().chain(own.parent().map(entries).unwrap_or_default());
     let folders = once(own.clone()).chain(near.filter(move |path| path.is_dir() && *path != own)).take(MOST_FILES);
     let is_small = |file: &Path| fs::metadata(file).is_ok_and(|of| of.is_file() && of.len() <= MOST_BYTES);

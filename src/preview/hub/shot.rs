@@ -7,7 +7,7 @@ use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use tailor::render::Origins;
 use tailor_costume::drive::{BindPose, Driver};
 use tailor_costume::pipeline::{Progress, bound as bound_to};
@@ -76,17 +76,13 @@ impl Hub {
 
     /// Waits for meshes or a frame other than those of `done`. Both meshes are of one recipe then.
     fn next_pose(&self, done: Option<PoseKey>) -> Pose {
-        let mut shared = self.lock();
-        loop {
+        self.wait_for(|shared| {
             let pose = shared.shot.as_ref().zip(shared.simulated.as_ref()).and_then(|(shot, simulated)| {
                 let rendered = shot.rendered.clone().filter(|made| made.job.revision == simulated.job.revision)?;
                 Some(Pose { file: shot.file.clone(), simulated: simulated.clone(), rendered, frame: shot.wanted })
             });
-            match pose.filter(|pose| Some(pose.key()) != done) {
-                Some(pose) => return pose,
-                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+            pose.filter(|pose| Some(pose.key()) != done)
+        })
     }
 
     /// Plays for ever.

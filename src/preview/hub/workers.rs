@@ -6,7 +6,7 @@ use crate::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, Serve
 use crate::stage::Stage;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
 use tailor::report::RenderFigures;
@@ -76,13 +76,7 @@ impl Hub {
 
     /// Waits for a job after the revision `done`.
     fn next_job(&self, done: u64) -> Job {
-        let mut shared = self.lock();
-        loop {
-            match &shared.job {
-                Some(job) if job.revision > done => return job.clone(),
-                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+        self.wait_for(|shared| shared.job.clone().filter(|job| job.revision > done))
     }
 
     /// Builds one product for ever.
@@ -161,13 +155,7 @@ impl Hub {
 
     /// Waits for a simulation mesh after that of the revision `done`.
     fn next_simulated(&self, done: u64) -> Simulated {
-        let mut shared = self.lock();
-        loop {
-            match &shared.simulated {
-                Some(simulated) if simulated.job.revision > done => return simulated.clone(),
-                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+        self.wait_for(|shared| shared.simulated.clone().filter(|simulated| simulated.job.revision > done))
     }
 
     /// Makes the cloth of the newest simulation mesh for ever.

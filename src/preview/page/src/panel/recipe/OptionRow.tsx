@@ -174,7 +174,7 @@ function FileChoice({ value, change, ...described }: NamedSelectProps) {
     ...files.map((file) => ({ label: fromFolder(file, folder), pick: () => change(file) })),
   ];
   return (
-    <span class="file-choice">
+    <span class="file-choice" title={value}>
       <TextField {...described} value={fromFolder(value, folder)} placeholder="body.usd" change={change} />
       <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} opens={() => store.send({ type: "bodies" })} empty={isComplete ? "No file with one mesh is near the garment" : "Looking for files with one mesh"}>
         <Icon name="down" />
