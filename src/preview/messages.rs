@@ -187,7 +187,7 @@ pub enum PageMessage {
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum ServerMessage<'a> {
     /// The garment.
-    Garment(GarmentMessage<'a>),
+    Garment(Box<GarmentMessage<'a>>),
     /// The document.
     State(StateMessage),
     /// Faults of one origin.

@@ -262,7 +262,7 @@ fn message(
     let warnings = checks.face_numbers().warnings_in_mesh(checks.warnings().clone());
     let looks = looks.iter();
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
-    ServerMessage::Garment(GarmentMessage {
+    ServerMessage::Garment(Box::new(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
         folder: folder(source),
         file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
@@ -283,7 +283,7 @@ fn message(
         body: body.map(|body| body.prim.clone()),
         suggested: suggested(source, input),
         warnings: warnings.iter().collect(),
-    })
+    }))
     .to_text()
 }
 
