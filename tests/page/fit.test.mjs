@@ -92,7 +92,7 @@ test("a fit that fails says so at its option, and the last garment stays", async
   const preview = await show(t, fitted(t));
   const before = await preview.points("model");
   const row = preview.row("fit.to");
-  await row.getByRole("textbox").fill("nobody.usda");
+  await row.getByRole("textbox").fill("./nobody.usda");
   await row.getByRole("textbox").press("Enter");
   const alert = row.getByRole("alert");
   await alert.waitFor();
@@ -105,6 +105,7 @@ test("a fit that fails says so at its option, and the last garment stays", async
   await preview.page.evaluate(() => preview.store.send({ type: "reload" }));
   await alert.waitFor({ state: "detached" });
   await preview.differs("model", { model: { checksum: before.reduce((sum, each) => sum + each, 0), faces: 16 } });
+  await preview.quiet();
   assertClean(preview);
 });
 
