@@ -10,8 +10,8 @@ pub mod keep;
 mod shot;
 mod workers;
 
-use super::document::{Before, EditHistory, Options};
-use super::messages::{BuildMessage, FitMessage, KeptEdits, Origin, Role, ServerMessage, ShotMessage, StateMessage};
+use super::document::{EditHistory, Options};
+use super::messages::{Origin, ProgressMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use builds::SavedAs;
 use keep::{Kept, checksum_of};
@@ -21,7 +21,8 @@ use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 use tailor::report::TriangleQuality;
-use tailor_costume::recipe::{Layers, Recipe};
+use tailor_costume::fit::BodyOptions;
+use tailor_costume::recipe::Recipe;
 use tailor_mesh::connectivity::{FaceId, IdVec};
 use tailor_mesh::error::{Error, Fault};
 use tailor_mesh::garment::Mesh;
@@ -31,7 +32,7 @@ use tokio::sync::watch;
 use workers::Simulated;
 
 /// A mesh that pages may show.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Shown {
     /// The mesh.
     pub mesh: Arc<Mesh>,
@@ -55,89 +56,17 @@ pub struct Snapshot {
     /// The garment.
     pub stage: Arc<Stage>,
     /// The document; the page adds its own serial.
-    pub state: Arc<State>,
+    pub state: Arc<StateMessage>,
     /// Faults by origin.
     pub faults: Arc<BTreeMap<Origin, Vec<Fault>>>,
-    /// Steps that are being worked on.
-    pub progress: BTreeMap<Role, String>,
     /// The meshes.
     pub shown: BTreeMap<Role, Arc<Shown>>,
     /// The meshes of a frame of the cache, which are shown in place of those at bind.
     pub posed: BTreeMap<Role, Arc<Shown>>,
-    /// The garment and the body on the way of the fit, in place of those at its end.
+    /// The meshes on the way of the fit, in place of those at its end.
     pub on_way: BTreeMap<Role, Arc<Shown>>,
-    /// The place on that way; none without a fit.
-    pub fit: Option<Arc<FitMessage>>,
-    /// The cache that is played, once it is opened.
-    pub shot: Option<Arc<ShotMessage>>,
-    /// The message of the cloth, once it is made.
-    pub cloth: Option<Arc<str>>,
-    /// The last build that a page started.
-    pub build: Option<Arc<BuildMessage>>,
-    /// The message of presets; empty before they are read.
-    pub presets: Arc<str>,
-}
-
-/// The document as pages show it.
-pub struct State {
-    pub revision: u64,
-    pub edits: Options,
-    /// The edits over the options of the stage.
-    layers: Layers,
-    can_undo: bool,
-    can_redo: bool,
-    unsaved: bool,
-    comparing: Option<Before>,
-    /// The level of detail that is shown.
-    level: u32,
-    /// The input of a build of what is on screen; none if it is not saved.
-    saved_as: Option<String>,
-    kept: Option<KeptEdits>,
-}
-
-impl State {
-    fn new(
-        document: &EditHistory,
-        stage: &Stage,
-        kept: Option<&Kept>,
-        saved_as: Option<String>,
-        level: u32,
-        revision: u64,
-    ) -> Self {
-        Self {
-            revision,
-            edits: document.edits().clone(),
-            layers: stage.layers(document.edits()),
-            can_undo: document.can_undo(),
-            can_redo: document.can_redo(),
-            unsaved: document.is_unsaved(),
-            comparing: document.comparing,
-            level,
-            saved_as,
-            kept: kept
-                .map(|kept| KeptEdits { time: kept.time, is_current: kept.upstream == checksum_of(&stage.upstream) }),
-        }
-    }
-
-    /// The message for a page whose last edit was `serial`.
-    pub fn message(&self, upstream: &Options, serial: u64) -> String {
-        ServerMessage::State(StateMessage {
-            revision: self.revision,
-            serial,
-            upstream,
-            edits: &self.edits,
-            merged: self.layers.map(),
-            stack: self.layers.operators(),
-            can_undo: self.can_undo,
-            can_redo: self.can_redo,
-            unsaved: self.unsaved,
-            comparing: self.comparing,
-            level: self.level,
-            saved_as: self.saved_as.as_deref(),
-            kept: self.kept,
-        })
-        .to_text()
-    }
+    /// The last message of each kind that pages get when it is new.
+    pub messages: BTreeMap<String, Arc<str>>,
 }
 
 /// A recipe to build.
@@ -159,6 +88,12 @@ struct HubState {
     job: Option<Job>,
     /// The level of detail that was asked for.
     level: u32,
+    /// The bodies by which the garment is to be fitted again.
+    wanted_fit: Option<BodyOptions>,
+    failed_fit: Option<(BodyOptions, Vec<Fault>)>,
+    /// The share of the way of the fit that is shown.
+    share: f64,
+    is_building: bool,
     /// The newest simulation mesh.
     simulated: Option<Simulated>,
     /// The file that has the edits as they were last saved.
@@ -171,6 +106,8 @@ pub struct Hub {
     shared: Mutex<HubState>,
     /// Held while the stage is read, so that a slow read does not end after a newer one.
     reading: Mutex<()>,
+    /// Held while bodies are looked for.
+    finding: Mutex<()>,
     work: Condvar,
     changed: watch::Sender<()>,
 }
@@ -180,18 +117,13 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, None, None, 0, 0)),
+            state: Arc::default(),
             stage: Arc::new(stage),
             faults: Arc::default(),
-            progress: BTreeMap::new(),
             shown: BTreeMap::new(),
             posed: BTreeMap::new(),
             on_way: BTreeMap::new(),
-            fit: None,
-            shot: None,
-            cloth: None,
-            build: None,
-            presets: Arc::from(""),
+            messages: BTreeMap::new(),
         };
         let saved = SavedAs::opened(&input);
         let shared = HubState {
@@ -201,12 +133,17 @@ impl Hub {
             snapshot,
             job: None,
             level: 0,
+            wanted_fit: None,
+            failed_fit: None,
+            share: 1.0,
+            is_building: false,
             simulated: None,
             saved,
             shot: None,
         };
-        let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
-        let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
+        let (shared, changed) = (Mutex::new(shared), watch::Sender::new(()));
+        let (reading, finding, work) = Default::default();
+        let hub = Arc::new(Self { shared, reading, finding, work, changed });
         hub.change(HubState::show_model);
         hub
     }
@@ -214,6 +151,17 @@ impl Hub {
     fn lock(&self) -> MutexGuard<'_, HubState> {
         // No change of the state can panic half-way.
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for changes until something is found.
+    fn wait_for<T>(&self, find: impl Fn(&HubState) -> Option<T>) -> T {
+        let mut shared = self.lock();
+        loop {
+            match find(&shared) {
+                Some(found) => return found,
+                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
     }
 
     /// Wakes up at each change.
@@ -266,11 +214,7 @@ impl Hub {
 
     /// The revision of the document, and all edits that are in no file, once it is later than `seen`.
     pub fn next_unsaved(&self, seen: u64) -> (u64, Vec<Kept>) {
-        let mut shared = self.lock();
-        while shared.snapshot.state.revision <= seen {
-            shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
-        }
-        shared.unsaved()
+        self.wait_for(|shared| (shared.snapshot.state.revision > seen).then(|| shared.unsaved()))
     }
 
     /// As [`Hub::next_unsaved`], at once.
@@ -312,6 +256,7 @@ impl Hub {
 
     /// Reads the files again. The document stays; after a fault the last garment stays too.
     pub fn reload(&self) {
+        self.change(|shared| shared.failed_fit = None);
         self.read(|_| ());
     }
 
@@ -323,25 +268,36 @@ impl Hub {
     /// Shows other presets, as a message. After a fault the last ones stay.
     pub fn show_presets(&self, message: Result<String, Error>) {
         self.change(|shared| {
-            let fault = message.map(|message| shared.snapshot.presets = message.into()).err();
+            let fault = message.map(|message| shared.snapshot.messages.insert("presets".into(), message.into())).err();
             shared.set_faults(Origin::Presets, fault.map_or(Vec::new(), |error| error.faults));
         });
     }
 
     fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
+        let Snapshot { stage, state, .. } = self.snapshot();
+        let fit = stage.recipe(&state.edits).map_or_else(|_| stage.fit.clone(), |recipe| recipe.fit);
+        if let Err(error) = self.read_fitted(&fit, change) {
+            let is_of_fit = error.faults.iter().all(|fault| fault.place.starts_with("fit."));
+            self.change(|shared| match is_of_fit {
+                true => shared.fail_fit(fit, error),
+                false => shared.set_faults(Origin::File, error.faults),
+            });
+        }
+    }
+
+    /// Reads the files and fits the garment. After a fault, the last one stays.
+    fn read_fitted(&self, fit: &BodyOptions, change: impl FnOnce(&mut ReadOptions)) -> Result<(), Error> {
         let _reading = self.reading();
         let mut input = self.lock().input.clone();
         change(&mut input.read);
-        let opened = Stage::open(&input);
-        self.change(|shared| match opened {
-            Ok(stage) => {
-                shared.input = input;
-                shared.snapshot.stage = Arc::new(stage);
-                shared.set_faults(Origin::File, Vec::new());
-                shared.show_model();
-            }
-            Err(error) => shared.set_faults(Origin::File, error.faults),
+        let stage = Stage::open(&input, Some(fit))?;
+        self.change(|shared| {
+            shared.input = input;
+            shared.snapshot.stage = Arc::new(stage);
+            shared.set_faults(Origin::File, Vec::new());
+            shared.show_model();
         });
+        Ok(())
     }
 
     /// The prim, time and variants that are read.
@@ -365,15 +321,32 @@ impl HubState {
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
         let saved_as = self.saved_as().map(|saved| saved.file.display().to_string());
-        let stage = &self.snapshot.stage;
+        let stage = Arc::clone(&self.snapshot.stage);
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
         let last = checked.as_ref().map_or(self.level, |recipe| recipe.lod.levels.saturating_sub(1));
         let level = self.level.min(last);
-        let state = State::new(&self.document, stage, self.kept.last(), saved_as, level, revision);
+        let layers = stage.layers(self.document.edits());
+        let state = StateMessage {
+            revision,
+            serial: 0,
+            upstream: stage.upstream.clone(),
+            edits: self.document.edits().clone(),
+            stack: layers.operators(),
+            merged: layers.into_map(),
+            can_undo: self.document.can_undo(),
+            can_redo: self.document.can_redo(),
+            unsaved: self.document.is_unsaved(),
+            comparing: self.document.comparing,
+            level,
+            saved_as,
+            kept: self.kept.last().map(|kept| kept.offered(&stage.upstream)),
+        };
+        self.wanted_fit = None;
         let faults = match checked {
+            Ok(recipe) if !stage.is_fitted_by(&recipe.fit) => self.want_fit(recipe.fit),
             Ok(recipe) => {
-                self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe), level });
+                self.job = Some(Job { revision, stage, recipe: Arc::new(recipe), level });
                 Vec::new()
             }
             Err(error) => error.faults,
@@ -384,7 +357,7 @@ impl HubState {
 
     /// The file that has what is on screen.
     fn saved_as(&self) -> Option<&SavedAs> {
-        let is_saved = !self.document.is_unsaved() && self.saved.selects(&self.input.read.variants);
+        let is_saved = !self.document.is_unsaved() && self.saved.variants == self.input.read.variants;
         is_saved.then_some(&self.saved)
     }
 
@@ -394,25 +367,27 @@ impl HubState {
         let stage = Arc::clone(&self.snapshot.stage);
         self.show_as_read(Role::Model, &stage.shown);
         match &stage.body {
-            Some(body) => self.show_as_read(Role::Body, &body.mesh),
+            Some(body) => self.show_as_read(Role::Body, body),
             None => drop(self.snapshot.shown.remove(&Role::Body)),
         }
-        self.snapshot.on_way.clear();
-        self.snapshot.fit = stage.at_end().map(Arc::new);
+        self.snapshot.messages.remove("fit");
+        self.show_on_way(&stage, stage.on_way(1.0));
     }
 
     /// Shows a mesh of a file.
     fn show_as_read(&mut self, role: Role, mesh: &Arc<Mesh>) {
-        let shown = Shown {
-            mesh: Arc::clone(mesh),
-            revision: self.snapshot.state.revision,
-            build: 0.0,
-            recipe: Arc::default(),
-            sources: Arc::default(),
-            quality: OnceLock::new(),
-            message: OnceLock::new(),
-        };
-        self.snapshot.shown.insert(role, Arc::new(shown));
+        let revision = self.snapshot.state.revision;
+        self.snapshot.shown.insert(role, Arc::new(Shown { mesh: Arc::clone(mesh), revision, ..Shown::default() }));
+    }
+
+    /// Sends pages a message, unless it is the last one of its kind.
+    fn tell(&mut self, kind: &str, message: &ServerMessage<'_>) {
+        self.snapshot.messages.insert(kind.to_owned(), message.to_text().into());
+    }
+
+    /// Shows the step of the build of a mesh; none at its end.
+    fn show_step(&mut self, role: Role, step: Option<&str>) {
+        self.tell(&format!("progress {role:?}"), &ServerMessage::Progress(ProgressMessage { role, step }));
     }
 
     fn set_faults(&mut self, origin: Origin, faults: Vec<Fault>) {

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! `hub` holds the state that all pages share: the garment (`stage`), the edits with undo (`document`), and the last
-//! meshes. It keeps unsaved edits (`hub::keep`), plays a cache (`hub::shot`) and runs builds (`hub::builds`). A page has one
+//! meshes. It keeps unsaved edits (`hub::keep`), plays a cache (`hub::shot`), fits the garment
+//! (`hub::fit`) and runs builds (`hub::builds`). A page has one
 //! `socket`, which sends what changed since the last message. `select` finds what a page selects. `save` writes the edits as a
 //! USD layer or a `.tailor` file, and presets beside the garment. `watch` reads the stage again when a file changes. `server`
 //! serves the embedded `page` on 127.0.0.1, below a secret path.
@@ -49,7 +50,7 @@ pub fn serve(
 ) -> Result<(), Error> {
     page::check()?;
     let input = continued(input);
-    let stage = Stage::open(&input)?;
+    let stage = Stage::open(&input, None)?;
     let keeper = keep::state_folder().map(|folder| Keeper::new(&folder, &input, &stage));
     let hub = Hub::new(input, stage);
     save::presets::read(&hub);

@@ -12,7 +12,7 @@ mod selection;
 mod shot;
 
 pub use build::{BuildMessage, BuildStatus};
-pub use garment::{GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, SetInfo, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use presets::{PresetSavedMessage, PresetsMessage};
 pub use product::{ClothMessage, Figures, ProductMessage, lengths};
@@ -21,10 +21,11 @@ pub use shot::ShotMessage;
 
 use super::document::{Before, Options};
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 use tailor::sets::Change;
 use tailor_costume::recipe::ListedOperator;
 use tailor_mesh::connectivity::Elements;
-use tailor_mesh::error::Fault;
+use tailor_mesh::error::{Fault, Warning};
 
 /// The meshes: the garment's input cage, the two products, and the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -141,11 +142,13 @@ pub enum PageMessage {
         /// Its number; the last one if there are fewer.
         level: u32,
     },
-    /// Shows the garment and the body on the way of the fit.
+    /// Shows all meshes on the way of the fit.
     Fit {
         /// The share of the way, from 0 to 1.
         share: f64,
     },
+    /// Looks for bodies near the garment.
+    Bodies,
     /// Shows a frame of the cache.
     Pose {
         /// Its number, from 0; null for the meshes at bind.
@@ -184,9 +187,9 @@ pub enum PageMessage {
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub enum ServerMessage<'a> {
     /// The garment.
-    Garment(GarmentMessage<'a>),
+    Garment(Box<GarmentMessage<'a>>),
     /// The document.
-    State(StateMessage<'a>),
+    State(StateMessage),
     /// Faults of one origin.
     Faults(FaultsMessage<'a>),
     /// Figures of a product.
@@ -199,6 +202,8 @@ pub enum ServerMessage<'a> {
     Shot(&'a ShotMessage),
     /// The place on the way of the fit.
     Fit(&'a FitMessage),
+    /// The bodies near the garment.
+    Bodies(BodiesMessage<'a>),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.
@@ -219,23 +224,23 @@ impl ServerMessage<'_> {
 }
 
 /// The shared document of all pages. Sent after each change.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub struct StateMessage<'a> {
+pub struct StateMessage {
     /// Counts the changes; meshes carry the revision that they were made from.
     pub revision: u64,
     /// Serial of the last edit of this page that the document includes.
     pub serial: u64,
     /// Options of the garment and of `--recipe`, below the edits.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub upstream: &'a Options,
+    pub upstream: Options,
     /// Options that were changed here.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub edits: &'a Options,
+    pub edits: Options,
     /// The options that hold: the edits over those of upstream.
     #[cfg_attr(feature = "typescript", ts(type = "Options"))]
-    pub merged: &'a Options,
+    pub merged: Options,
     /// The operators in the order in which they run.
     pub stack: Vec<ListedOperator>,
     /// True if there is a step to go back.
@@ -249,7 +254,7 @@ pub struct StateMessage<'a> {
     /// The level of detail that is shown.
     pub level: u32,
     /// The input of a build of what is on screen; null if it is not saved.
-    pub saved_as: Option<&'a str>,
+    pub saved_as: Option<String>,
     /// Edits of an earlier preview that were not saved, which the user may have back.
     pub kept: Option<KeptEdits>,
 }
@@ -300,10 +305,21 @@ pub struct FaultsMessage<'a> {
 pub struct FitMessage {
     /// The share of the way, from 0 to 1.
     pub share: f64,
-    /// The faces of the garment that cross the body there.
-    pub crossings: Vec<usize>,
+    /// The warning of the faces of the garment that cross the body there.
+    pub warning: Option<Warning>,
     /// How many of them do not at the start.
     pub new: usize,
+}
+
+/// The answer to `bodies`: files with one mesh near the garment. Sent for each that is found.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
+pub struct BodiesMessage<'a> {
+    /// The files.
+    pub files: &'a [PathBuf],
+    /// False while it is looked for more.
+    pub is_complete: bool,
 }
 
 /// Work that has begun or ended.

@@ -13,7 +13,8 @@ use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tailor_costume::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
+use tailor_costume::fit::BodyOptions;
+use tailor_costume::recipe::{Domain, Recipe, all, find, group_with_instances, is_attribute, is_recipe, map_files};
 use tailor_mesh::error::{Error, ErrorKind, plain};
 use tailor_mesh::files::{self, folder_of};
 use tailor_usd::session::Input;
@@ -69,7 +70,7 @@ impl Content {
             return self.recipe_file(file);
         }
         self.refuse_sewn(file)?;
-        recipe_text(&self.stage.source, &self.opinions(), file)
+        recipe_text(&self.stage.source, &self.opinions(file), file)
     }
 
     /// Options in a layer are of one mesh.
@@ -103,7 +104,9 @@ impl Content {
         }
         self.refuse_sewn(file)?;
         let replaced = EarlierRecipe { is_option: is_attribute, is_schema };
-        write_recipe(&self.stage.source, &self.opinions(), file, overwrite, &replaced, |written| self.verify(written))
+        write_recipe(&self.stage.source, &self.opinions(file), file, overwrite, &replaced, |written| {
+            self.verify(written)
+        })
     }
 
     /// The text of a `.tailor` file.
@@ -128,9 +131,19 @@ impl Content {
         let mut text = Map::new();
         text.insert("source".into(), Value::String(source));
         text.insert("prim".into(), Value::String(self.stage.source.whole().into()));
-        text.extend(self.edits.clone());
+        text.extend(self.edits_beside(file));
         let text = serde_json::to_string_pretty(&Value::Object(text));
         text.map(|text| text + "\n").map_err(|e| Error::internal(e.to_string()))
+    }
+
+    /// The edits with paths relative to the folder of `file`, where they lead to files.
+    fn edits_beside(&self, file: &Path) -> Options {
+        let (mut edits, folder) = (self.edits.clone(), folder_of(file).canonicalize());
+        map_files(&mut edits, |path| {
+            let both = folder.as_ref().ok().zip(Path::new(path).canonicalize().ok());
+            both.and_then(|(folder, file)| relative(folder, &file)).unwrap_or_else(|| path.to_owned()).into()
+        });
+        edits
     }
 
     fn write_recipe_file(&self, file: &Path, overwrite: bool) -> Result<(), Error> {
@@ -169,16 +182,19 @@ impl Content {
             return Err(fault("the file would give another garment than the one on screen"));
         }
         let saved = opened.layers().recipe_for(self.stage.checks.garment())?;
-        if saved != self.stage.recipe(&self.edits)? {
+        // Paths are written relative to the file. The garment is fitted by the same bodies, or it would be another one.
+        let asked = self.stage.recipe(&self.edits)?;
+        let BodyOptions { from, to, .. } = saved.fit.clone();
+        if saved != (Recipe { fit: BodyOptions { from, to, ..asked.fit.clone() }, ..asked }) {
             return Err(fault("other layers of the file would change the recipe"));
         }
         Ok(())
     }
 
-    fn opinions(&self) -> RecipeOpinions {
+    fn opinions(&self, file: &Path) -> RecipeOpinions {
         let is_subset = |name: &str| self.stage.checks.garment().subset(name).is_some();
         let mut opinions = RecipeOpinions { variants: self.read.variants.clone(), ..RecipeOpinions::default() };
-        for (space, fields) in &self.edits {
+        for (space, fields) in &self.edits_beside(file) {
             let Value::Object(fields) = fields else { continue };
             let groups = match group_with_instances(space) {
                 None => vec![(None, fields)],
@@ -237,6 +253,7 @@ fn typed(domain: Domain, default: &Value, value: &Value, is_subset: IsSubset<'_>
     Some(match domain {
         Domain::Sets { .. } if names()?.iter().all(|name| is_subset(name)) => OptionValue::Subsets(names()?),
         Domain::Sets { .. } | Domain::Prims => OptionValue::Text(names()?.join(", ")),
+        Domain::File => OptionValue::Asset(value.as_str()?.to_owned()),
         Domain::Operators | Domain::Words { .. } => OptionValue::Tokens(names()?),
         _ => match default {
             Value::Bool(_) => OptionValue::Bool(value.as_bool()?),

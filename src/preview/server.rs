@@ -123,7 +123,7 @@ async fn upgrade(State(hub): State<Arc<Hub>>, upgrade: WebSocketUpgrade) -> Resp
 /// Answers with an image of the garment's materials.
 async fn image(State(hub): State<Arc<Hub>>, Path(number): Path<usize>) -> Response {
     match block_in_place(|| hub.snapshot().stage.images.read(number)) {
-        Some(image) => ([(header::CONTENT_TYPE, image.media_type)], image.content).into_response(),
+        Some((media_type, content)) => ([(header::CONTENT_TYPE, media_type)], content).into_response(),
         None => StatusCode::NOT_FOUND.into_response(),
     }
 }

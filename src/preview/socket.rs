@@ -1,11 +1,8 @@
 //! The connection of one page: its requests, and what it has been sent.
 
 use super::frame::{Sent, frame};
-use super::hub::{Hub, Snapshot, State};
-use super::messages::{
-    BuildMessage, FaultsMessage, FitMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage,
-    View,
-};
+use super::hub::{Hub, Snapshot};
+use super::messages::{FaultsMessage, Origin, PageMessage, Role, ServerMessage, StateMessage, View};
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
@@ -37,16 +34,11 @@ struct Client {
     view: View,
     comparing: bool,
     stage: Option<Arc<Stage>>,
-    state: Option<(Arc<State>, u64)>,
+    state: Option<(Arc<StateMessage>, u64)>,
     faults: BTreeMap<Origin, Vec<Fault>>,
-    progress: BTreeMap<Role, String>,
     meshes: BTreeMap<Role, Option<Sent>>,
     products: BTreeMap<Role, Arc<str>>,
-    cloth: Option<Arc<str>>,
-    build: Option<Arc<BuildMessage>>,
-    shot: Option<Arc<ShotMessage>>,
-    fit: Option<Arc<FitMessage>>,
-    presets: Arc<str>,
+    messages: BTreeMap<String, Arc<str>>,
 }
 
 impl Client {
@@ -101,6 +93,7 @@ impl Client {
             }
             PageMessage::Level { level } => hub.show_level(level),
             PageMessage::Fit { share } => hub.show_on_way(share),
+            PageMessage::Bodies => hub.find_bodies(),
             PageMessage::Pose { frame } => hub.pose(frame),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Reload => {
@@ -124,17 +117,16 @@ impl Client {
         let mut news = Vec::new();
         if !self.stage.as_ref().is_some_and(|stage| Arc::ptr_eq(stage, &now.stage)) {
             self.stage = Some(Arc::clone(&now.stage));
-            (self.state, self.fit) = (None, None);
+            self.state = None;
+            self.messages.remove("fit");
             news.push(text(now.stage.message.clone()));
         }
-        let is_known = |(state, serial): &(Arc<State>, u64)| Arc::ptr_eq(state, &now.state) && *serial == self.serial;
+        let (state, serial) = (&now.state, self.serial);
+        let is_known = |known: &(Arc<StateMessage>, u64)| Arc::ptr_eq(&known.0, state) && known.1 == serial;
         if !self.state.as_ref().is_some_and(is_known) {
-            self.state = Some((Arc::clone(&now.state), self.serial));
-            news.push(text(now.state.message(&now.stage.upstream, self.serial)));
-        }
-        if self.presets != now.presets {
-            self.presets = Arc::clone(&now.presets);
-            news.push(text(&*now.presets));
+            self.state = Some((Arc::clone(state), serial));
+            let message = StateMessage { serial, ..StateMessage::clone(state) };
+            news.push(text(ServerMessage::State(message).to_text()));
         }
         for (&origin, faults) in now.faults.iter() {
             if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {
@@ -142,7 +134,6 @@ impl Client {
                 news.push(text(ServerMessage::Faults(FaultsMessage { origin, faults }).to_text()));
             }
         }
-        self.progress(now, &mut news);
         self.meshes(now, &mut news);
         for (&role, shown) in &now.shown {
             let Some(message) = shown.message.get() else { continue };
@@ -151,41 +142,17 @@ impl Client {
                 news.push(text(&**message));
             }
         }
-        if self.cloth != now.cloth {
-            self.cloth.clone_from(&now.cloth);
-            news.extend(now.cloth.as_deref().map(text));
-        }
-        if self.shot != now.shot {
-            self.shot.clone_from(&now.shot);
-            news.extend(now.shot.as_deref().map(|shot| text(ServerMessage::Shot(shot).to_text())));
-        }
-        if self.fit != now.fit {
-            self.fit.clone_from(&now.fit);
-            news.extend(now.fit.as_deref().map(|fit| text(ServerMessage::Fit(fit).to_text())));
-        }
-        if self.build != now.build {
-            self.build.clone_from(&now.build);
-            news.extend(now.build.as_deref().map(|build| text(ServerMessage::Build(build).to_text())));
+        for (kind, message) in &now.messages {
+            if self.messages.get(kind) != Some(message) {
+                self.messages.insert(kind.clone(), Arc::clone(message));
+                news.push(text(&**message));
+            }
         }
         news
     }
 
-    fn progress(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
-        if self.progress == now.progress {
-            return;
-        }
-        for role in [Role::Render, Role::Sim] {
-            let step = now.progress.get(&role);
-            if self.progress.get(&role) != step {
-                news.push(text(
-                    ServerMessage::Progress(ProgressMessage { role, step: step.map(String::as_str) }).to_text(),
-                ));
-            }
-        }
-        self.progress = now.progress.clone();
-    }
-
     fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
+        self.meshes.retain(|role, _| now.shown.contains_key(role));
         for (&role, shown) in now.shown.iter().filter(|(role, _)| self.view.roles.contains(role)) {
             let shown = now.posed.get(&role).or(now.on_way.get(&role)).unwrap_or(shown);
             match frame(role, shown, &self.view, self.meshes.entry(role).or_default()) {

@@ -4,8 +4,7 @@ mod images;
 
 use super::document::{Options, changed};
 use super::messages::{
-    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis,
-    VariantSet,
+    FitMessage, GarmentMessage, LookInfo, MirrorInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, VariantSet,
 };
 use glam::Vec3;
 use serde_json::Value;
@@ -14,12 +13,15 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use tailor::sets::{SetEvaluator, checksum};
 use tailor_costume::cloth::{FABRICS, Fabric};
-use tailor_costume::fit::faces_through;
+use tailor_costume::fit::{BodyOptions, faces_through};
 use tailor_costume::pipeline::Builder;
-use tailor_costume::recipe::{Layers, Recipe, table};
+use tailor_costume::recipe::{Layers, Recipe, map_files, table};
 use tailor_mesh::connectivity::FaceId;
 use tailor_mesh::error::{Error, Warning, counted};
-use tailor_mesh::garment::{DERIVED, Elements, Garment, Mesh, PrimvarRole, Subset};
+use tailor_mesh::files::folder_of;
+use tailor_mesh::garment::{
+    DERIVED, Elements, Garment, Interpolation, Mesh, PrimvarInput, PrimvarRole, Subset, Values,
+};
 use tailor_usd::session::{FitWay, Input, OpenGarment, is_usd};
 use tailor_usd::{Look, ReadOptions, Source, body_of, decimal};
 
@@ -39,8 +41,12 @@ pub struct Stage {
     pub upstream: Options,
     /// The options of the recipe files, where they differ.
     pub given: Options,
-    /// The body under it.
-    pub body: Option<Body>,
+    /// The bodies by which it is fitted.
+    pub fit: BodyOptions,
+    /// The body under it, in the space of the garment.
+    pub body: Option<Arc<Mesh>>,
+    /// The files of the garment and of the body.
+    pub files: Vec<PathBuf>,
     /// Its way to that body, where the recipe fits it, and the faces that cross the body at the start.
     way: Option<(FitWay, BTreeSet<FaceId>)>,
     /// Images of its materials.
@@ -49,57 +55,57 @@ pub struct Stage {
     pub message: String,
 }
 
-/// A body, in the space of the garment.
-pub struct Body {
-    pub mesh: Arc<Mesh>,
-    files: Vec<PathBuf>,
-}
-
 impl Stage {
-    /// Reads the stage and checks its mesh.
+    /// Reads the stage, fits its garment by `fit` or else by its recipe, and checks its mesh.
     ///
     /// # Errors
-    /// A file that cannot be read, faults of the mesh.
-    pub fn open(input: &Input) -> Result<Self, Error> {
-        let garment = input.open_one()?;
-        let body = body_under(&garment, input)?;
-        let OpenGarment { source, mesh, authored, given, way, mut warnings } = garment;
+    /// A file that cannot be read, bodies that do not fit, faults of the mesh.
+    pub fn open(input: &Input, fit: Option<&BodyOptions>) -> Result<Self, Error> {
+        let opened = Input { overrides: overrides(input, fit), ..input.clone() }.open_one()?;
+        let OpenGarment { source, mesh, authored, given, way, mut warnings } = opened;
+        let upstream = authored.into_map();
+        let mut given = changed(&given.into_map(), &upstream);
+        map_files(&mut given, |path| std::path::absolute(path).unwrap_or_else(|_| path.into()));
+        let of_recipe = || merged(&upstream, &given).recipe().unwrap_or_default().fit;
+        let fit = fit.cloned().unwrap_or_else(of_recipe);
         // A body that is named here may be another than that of the recipe.
         let way = way.filter(|_| input.body.is_none());
-        let mut checks = Builder::new(mesh.clone())?;
-        if let Some(body) = &body {
-            warnings.extend(through_body(&checks, &body.mesh)?);
+        let (body, of_body) = body_under(&source, way.as_ref(), input, &fit.to)?.unzip();
+        let mut on_way = mesh.clone();
+        on_way.primvars.extend(way.iter().flat_map(stations));
+        let mut checks = Builder::new(on_way)?;
+        // On a way, crossings are those of the place on it.
+        if let Some(body) = body.as_ref().filter(|_| way.is_none()) {
+            let faces = checks.face_numbers().in_file(Elements::Faces(faces_through(checks.garment(), body)?));
+            warnings.extend(crossing(&checks.garment().prim, faces));
         }
         checks = checks.with_warnings(warnings);
-        let with_start = |way: FitWay| {
-            let (points, body) = way.at(0.0);
-            let before = crossing_at(checks.garment(), &points, &body);
+        let way = way.map(|way| {
+            let before = crossing_at(checks.garment(), 0.0, &way.at(0.0).1);
             (way, before)
-        };
-        let way = way.map(with_start);
-        let upstream = authored.into_map();
-        let given = changed(&given.into_map(), &upstream);
+        });
         let shown = with_listed_sets(&checks);
         let looks = source.looks();
         let images = Images::of(looks.values());
-        let message = message(&source, &checks, &shown, (&looks, &images), input, body.as_ref());
-        Ok(Self { source, mesh, checks, shown, upstream, given, body, way, images, message })
+        let message = message(&source, &checks, &shown, (&looks, &images), input, body.as_deref());
+        let files = source.facts().layers.iter().chain(of_body.iter().flatten()).map(PathBuf::from).collect();
+        Ok(Self { source, mesh, checks, shown, upstream, given, fit, body, files, way, images, message })
     }
 
-    /// The end of the way, at which the garment is shown first; none without a way.
-    pub fn at_end(&self) -> Option<FitMessage> {
-        Some(self.on_way(1.0)?.0)
-    }
-
-    /// The points of the garment and of the body after a share of the way, with the message about them; none without a way.
-    pub fn on_way(&self, share: f64) -> Option<(FitMessage, [Vec<Vec3>; 2])> {
+    /// The message about a share of the way, and the points of the body there; none without a way.
+    pub fn on_way(&self, share: f64) -> Option<(FitMessage, Vec<Vec3>)> {
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 1.0 };
         let (way, before) = self.way.as_ref()?;
-        let (points, body) = way.at(share);
-        let crossing = crossing_at(self.checks.garment(), &points, &body);
-        let new = crossing.difference(before).count();
-        let crossings = crossing.iter().map(|face| face.index()).collect();
-        Some((FitMessage { share, crossings, new }, [points, body.points.into_vec()]))
+        let body = way.at(share).1;
+        let faces = crossing_at(self.checks.garment(), share, &body);
+        let new = faces.difference(before).count();
+        let warning = crossing(&self.checks.garment().prim, Elements::Faces(faces.into_iter().collect()));
+        Some((FitMessage { share, new, warning }, body.points.into_vec()))
+    }
+
+    /// True if the garment is fitted as a recipe wants it.
+    pub fn is_fitted_by(&self, fit: &BodyOptions) -> bool {
+        BodyOptions { rest: self.fit.rest, ..fit.clone() } == self.fit
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -112,14 +118,12 @@ impl Stage {
 
     /// The options of the stage with `edits`.
     pub fn layers(&self, edits: &Options) -> Layers {
-        let mut layers = Layers::default();
-        layers.add(self.upstream.clone());
-        layers.add(edits.clone());
-        layers
+        merged(&self.upstream, edits)
     }
 
-    /// The edits without a list of operators that says what holds without it.
+    /// The edits without a list of operators that says what holds without it, with relative paths as those beside the garment.
     pub fn tidied(&self, mut edits: Options) -> Options {
+        map_files(&mut edits, |path| folder(&self.source).join(path));
         let has_list = self.upstream.get("render").is_some_and(|render| render.get("operators").is_some());
         if !has_list && self.layers(&edits).lists_default_order() {
             if let Some(render) = edits.get_mut("render").and_then(Value::as_object_mut) {
@@ -129,45 +133,90 @@ impl Stage {
         }
         edits
     }
-
-    /// Files of the stage.
-    pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
-        let of_body = self.body.iter().flat_map(|body| body.files.iter().cloned());
-        self.source.facts().layers.iter().map(PathBuf::from).chain(of_body)
-    }
 }
 
-/// The body that the input names, or to which the recipe fits the garment.
-fn body_under(garment: &OpenGarment, input: &Input) -> Result<Option<Body>, Error> {
-    let of_recipe = || garment.layers().recipe().ok().map(|recipe| recipe.fit.to).filter(|to| !to.is_empty());
-    let Some(file) = input.body.clone().or_else(|| of_recipe().map(PathBuf::from)) else { return Ok(None) };
+/// The folder of a garment.
+pub fn folder(source: &Source) -> PathBuf {
+    std::path::absolute(folder_of(source.file())).unwrap_or_default()
+}
+
+fn merged(upstream: &Options, edits: &Options) -> Layers {
+    let mut layers = Layers::default();
+    layers.add(upstream.clone());
+    layers.add(edits.clone());
+    layers
+}
+
+/// The overrides of an input, and those by which its garment is fitted.
+fn overrides(input: &Input, fit: Option<&BodyOptions>) -> Vec<String> {
+    let of_fit = fit.into_iter().flat_map(|BodyOptions { from, to, rigid, keep_length, .. }| {
+        let [rigid, keep_length] = [rigid, keep_length].map(|sets| sets.join(", "));
+        [("from", from), ("to", to), ("rigid", &rigid), ("keepLength", &keep_length)]
+            .map(|(key, value)| format!("fit.{key}={value}"))
+    });
+    input.overrides.iter().cloned().chain(of_fit).collect()
+}
+
+/// A body and the files that it is in.
+type BodyFiles = (Arc<Mesh>, Vec<String>);
+
+/// The body that the input names, or else the one to which the garment is fitted.
+fn body_under(garment: &Source, way: Option<&FitWay>, input: &Input, to: &str) -> Result<Option<BodyFiles>, Error> {
+    let of_recipe = || (!to.is_empty()).then(|| PathBuf::from(to));
+    let Some(file) = input.body.clone().or_else(of_recipe) else { return Ok(None) };
     let body = Source::open(&file, &ReadOptions { time: input.read.time, unsewn: true, ..ReadOptions::default() })?;
-    let mesh = body_of(&garment.source, &body)?;
+    let mesh = body_of(garment, &body)?;
     // Its faces stay as they are on the way.
-    let mesh = match garment.way.as_ref().filter(|_| input.body.is_none()) {
-        Some(way) => Arc::new(Mesh { prim: mesh.prim, ..way.at(1.0).1 }),
-        None => Arc::new(mesh),
-    };
-    Ok(Some(Body { mesh, files: body.facts().layers.iter().map(PathBuf::from).collect() }))
+    let on_way = way.map(|way| Mesh { prim: mesh.prim.clone(), ..way.at(1.0).1 });
+    Ok(Some((Arc::new(on_way.unwrap_or(mesh)), body.facts().layers.clone())))
 }
 
-/// The faces of a garment with other points that cross a body.
-fn crossing_at(garment: &Mesh, points: &[Vec3], body: &Mesh) -> BTreeSet<FaceId> {
-    let moved = Mesh { points: points.iter().copied().collect(), ..garment.clone() };
+/// Stations of the way whose points are primvars of the garment. Its products carry them as they carry any primvar, and
+/// go by them to any place on the way.
+const STATIONS: usize = 8;
+
+fn station(at: usize) -> String {
+    format!("tailor:way{at}")
+}
+
+fn stations(way: &FitWay) -> impl Iterator<Item = PrimvarInput> + '_ {
+    (0..=STATIONS).map(|at| {
+        let points = way.at(at as f64 / STATIONS as f64).0.iter().flat_map(Vec3::to_array).collect();
+        let primvar = PrimvarInput::new(&station(at), Interpolation::Vertex, Values::F32(points));
+        PrimvarInput { components: 3, ..primvar }
+    })
+}
+
+/// The points of the garment or of a product after a share of the way, which is one without an end at it.
+pub fn points_on_way(mesh: &Mesh, share: f64) -> Vec<Vec3> {
+    let place = share * STATIONS as f64;
+    let (at, along) = (place as usize, place.fract() as f32);
+    let values = |at: usize| match mesh.primvar(&station(at)).map(|primvar| &primvar.values) {
+        Some(Values::F32(values)) => values.get(..3 * mesh.points.len()),
+        _ => None,
+    };
+    let [Some(a), Some(b), Some(end)] = [at, (at + 1).min(STATIONS), STATIONS].map(values) else {
+        return mesh.points.as_slice().to_vec();
+    };
+    let value = |values: &[f32], i: usize| Vec3::from_slice(&values[3 * i..3 * i + 3]);
+    // Exact for the garment itself, whose points are those of the end.
+    let moved = |(i, point): (usize, &Vec3)| value(a, i).lerp(value(b, i), along) + (*point - value(end, i));
+    mesh.points.iter().enumerate().map(moved).collect()
+}
+
+/// The faces of a garment at a share of its way that cross the body there.
+fn crossing_at(garment: &Mesh, share: f64, body: &Mesh) -> BTreeSet<FaceId> {
+    let moved = Mesh { points: points_on_way(garment, share).into(), ..garment.clone() };
     // A body that has faces corresponds to itself.
     faces_through(&moved, body).unwrap_or_default().into_iter().collect()
 }
 
 /// The warning of faces that cross the body.
-fn through_body(checks: &Builder, body: &Mesh) -> Result<Option<Warning>, Error> {
-    let faces = faces_through(checks.garment(), body)?;
-    if faces.is_empty() {
-        return Ok(None);
-    }
+fn crossing(prim: &str, faces: Elements) -> Option<Warning> {
     let count = counted(faces.len(), "face crosses the body", "faces cross the body");
-    let warning = Warning::new(tailor_costume::codes::FIT_CROSSES, &checks.garment().prim, count);
-    let faces = checks.face_numbers().in_file(Elements::Faces(faces));
-    Ok(Some(warning.at(faces).remedy("Move them out of it, or hide the skin below them")))
+    let warning = Warning::new(tailor_costume::codes::FIT_CROSSES, prim, count).at(faces);
+    let remedy = "Move them out of it, or hide the skin below them";
+    (!warning.elements.is_empty()).then(|| warning.remedy(remedy))
 }
 
 /// Pieces of one set that are shown, the largest.
@@ -207,17 +256,18 @@ fn message(
     shown: &Mesh,
     (looks, images): (&BTreeMap<String, Look>, &Images),
     input: &Input,
-    body: Option<&Body>,
+    body: Option<&Mesh>,
 ) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let warnings = checks.face_numbers().warnings_in_mesh(checks.warnings().clone());
     let looks = looks.iter();
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
-    ServerMessage::Garment(GarmentMessage {
+    ServerMessage::Garment(Box::new(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
+        folder: folder(source),
         file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         prim: &facts.prim,
-        up_axis: UpAxis::named(&facts.up_axis),
+        up_axis: if facts.up_axis == "Z" { "Z" } else { "Y" },
         meters_per_unit: facts.meters_per_unit,
         points: garment.points.len(),
         faces: garment.faces.len(),
@@ -230,10 +280,10 @@ fn message(
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),
         fabrics: FABRICS.iter().filter_map(|&name| Some((name, Fabric::preset(name)?))).collect(),
-        body: body.map(|body| body.mesh.prim.clone()),
+        body: body.map(|body| body.prim.clone()),
         suggested: suggested(source, input),
         warnings: warnings.iter().collect(),
-    })
+    }))
     .to_text()
 }
 

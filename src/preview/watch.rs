@@ -16,16 +16,11 @@ const QUIET: Duration = Duration::from_millis(80);
 /// Events are not longer waited for after this many.
 const EVENTS: usize = 64;
 
-/// The watcher, which ends when it is dropped.
-pub struct Following {
-    _watcher: Arc<Mutex<RecommendedWatcher>>,
-}
-
-/// Follows the files of the stage.
+/// Follows the files of the stage until the watcher is dropped.
 ///
 /// # Errors
 /// A system that cannot watch files.
-pub fn follow(hub: &Arc<Hub>) -> Result<Following, Error> {
+pub fn follow(hub: &Arc<Hub>) -> Result<impl Sized, Error> {
     let fault = |e: &dyn std::fmt::Display| Error::internal(format!("cannot watch files: {e}"));
     let (sender, events) = channel();
     let watcher = notify::recommended_watcher(move |event| drop(sender.send(event))).map_err(|e| fault(&e))?;
@@ -49,7 +44,7 @@ pub fn follow(hub: &Arc<Hub>) -> Result<Following, Error> {
         }
     };
     thread::Builder::new().name("watch".into()).spawn(work).map_err(|e| fault(&e))?;
-    Ok(Following { _watcher: watcher })
+    Ok(watcher)
 }
 
 struct WatchList {
@@ -76,7 +71,7 @@ fn paths(file: &Path) -> impl Iterator<Item = PathBuf> {
 impl WatchList {
     fn update(&mut self, hub: &Hub) {
         let stage = hub.snapshot().stage;
-        self.files.extend(stage.files().flat_map(|file| paths(&file).collect::<Vec<_>>()));
+        self.files.extend(stage.files.iter().flat_map(|file| paths(file)));
         self.presets.extend(paths(&presets::file_of(&stage)));
         let folders: BTreeSet<PathBuf> =
             self.files.iter().chain(&self.presets).filter_map(|file| file.parent().map(Path::to_owned)).collect();

@@ -5,7 +5,7 @@ use super::{in_words, is_file};
 use crate::codes;
 use serde::Deserialize;
 use serde_json::{Map, Value};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tailor_mesh::error::{Error, plain};
 use tailor_mesh::files;
 
@@ -50,7 +50,8 @@ impl RecipeFile {
         // The typed pass reports wrong keys and values with line and column; the second pass keeps only the keys given.
         serde_json::from_str::<Form>(text).map_err(fault)?;
         let mut file: Self = serde_json::from_str(text).map_err(fault)?;
-        anchor_files(&mut file.options, path);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        map_files(&mut file.options, |path| folder.join(path));
         Ok(file)
     }
 
@@ -77,15 +78,15 @@ impl RecipeFile {
     }
 }
 
-/// Takes relative paths in some options for those beside `file`, which has the options.
-fn anchor_files(options: &mut Map<String, Value>, file: &Path) {
+/// Replaces the paths of files in some options, except for empty ones.
+pub fn map_files(options: &mut Map<String, Value>, path: impl Fn(&str) -> PathBuf) {
     for (group, fields) in options {
         for (key, value) in fields.as_object_mut().into_iter().flatten() {
-            if let Value::String(path) = value
+            if let Value::String(text) = value
                 && is_file(&format!("{group}.{key}"))
-                && !path.is_empty()
+                && !text.is_empty()
             {
-                *path = file.parent().unwrap_or(Path::new("")).join(&*path).to_string_lossy().into_owned();
+                *text = path(text).to_string_lossy().into_owned();
             }
         }
     }

@@ -10,7 +10,7 @@ mod listed;
 mod lod;
 mod resolved;
 
-pub use file::{RecipeFile, is_recipe};
+pub use file::{RecipeFile, is_recipe, map_files};
 pub use groups::Recipe;
 pub use groups::{all, find, group_with_instances};
 pub use layers::Layers;

@@ -1,7 +1,7 @@
 //! Builds that pages start: the command itself, in a process of its own, of what is saved.
 
 use super::Hub;
-use crate::messages::{BuildMessage, BuildStatus};
+use crate::messages::{BuildMessage, BuildStatus, ServerMessage};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -22,7 +22,7 @@ pub struct SavedAs {
     /// Its options as `--set`.
     overrides: Vec<String>,
     /// The variants that it selects.
-    variants: Vec<Selection>,
+    pub variants: Vec<Selection>,
 }
 
 impl SavedAs {
@@ -40,11 +40,6 @@ impl SavedAs {
     /// A file that was saved.
     pub fn saved(file: &Path, variants: &[Selection]) -> Self {
         Self { file: file.to_path_buf(), recipe: None, overrides: Vec::new(), variants: variants.to_vec() }
-    }
-
-    /// True if it selects these variants.
-    pub fn selects(&self, variants: &[Selection]) -> bool {
-        self.variants == variants
     }
 
     /// The arguments of a build to `output`.
@@ -83,10 +78,10 @@ impl Hub {
                 Ok(ended) => ended,
                 Err(error) => (BuildStatus::Failed, format!("the build cannot run: {}", plain(&error))),
             };
-            hub.show_build(ended(&of_work, status, text));
+            hub.show_build(&ended(&of_work, status, text));
         };
         if thread::Builder::new().name("build".into()).spawn(work).is_err() {
-            self.show_build(ended(output, BuildStatus::Failed, "the system starts no more threads".into()));
+            self.show_build(&ended(output, BuildStatus::Failed, "the system starts no more threads".into()));
         }
     }
 
@@ -94,19 +89,22 @@ impl Hub {
     fn begin_build(&self, output: &str, overwrite: bool) -> Option<Vec<OsString>> {
         let mut arguments = None;
         self.change(|shared| {
-            let runs = shared.snapshot.build.as_ref().is_some_and(|build| build.status == BuildStatus::Running);
-            if runs || shared.saved_as().is_none() {
+            if shared.is_building || shared.saved_as().is_none() {
                 return;
             }
             arguments = Some(shared.saved.arguments(&shared.input, output, overwrite));
             let message = BuildMessage { output: output.into(), status: BuildStatus::Running, text: String::new() };
-            shared.snapshot.build = Some(Arc::new(message));
+            shared.is_building = true;
+            shared.tell("build", &ServerMessage::Build(&message));
         });
         arguments
     }
 
-    fn show_build(&self, message: BuildMessage) {
-        self.change(|shared| shared.snapshot.build = Some(Arc::new(message)));
+    fn show_build(&self, message: &BuildMessage) {
+        self.change(|shared| {
+            shared.is_building = false;
+            shared.tell("build", &ServerMessage::Build(message));
+        });
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::Hub;
 use crate::document::Options;
+use crate::messages::KeptEdits;
 use crate::stage::Stage;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -28,6 +29,13 @@ pub struct Kept {
     pub upstream: String,
     /// The edits.
     pub edits: Options,
+}
+
+impl Kept {
+    /// As it is offered over the options of a garment.
+    pub fn offered(&self, upstream: &Options) -> KeptEdits {
+        KeptEdits { time: self.time, is_current: self.upstream == checksum_of(upstream) }
+    }
 }
 
 /// The checksum of the options below edits.

@@ -2,12 +2,12 @@
 
 use super::workers::{Known, Simulated, builder_for};
 use super::{Hub, Job, Shown};
-use crate::messages::{Role, ShotMessage};
+use crate::messages::{Role, ServerMessage, ShotMessage};
 use glam::Vec3;
 use rayon::ThreadPool;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use tailor::render::Origins;
 use tailor_costume::drive::{BindPose, Driver};
 use tailor_costume::pipeline::{Progress, bound as bound_to};
@@ -76,17 +76,13 @@ impl Hub {
 
     /// Waits for meshes or a frame other than those of `done`. Both meshes are of one recipe then.
     fn next_pose(&self, done: Option<PoseKey>) -> Pose {
-        let mut shared = self.lock();
-        loop {
+        self.wait_for(|shared| {
             let pose = shared.shot.as_ref().zip(shared.simulated.as_ref()).and_then(|(shot, simulated)| {
                 let rendered = shot.rendered.clone().filter(|made| made.job.revision == simulated.job.revision)?;
                 Some(Pose { file: shot.file.clone(), simulated: simulated.clone(), rendered, frame: shot.wanted })
             });
-            match pose.filter(|pose| Some(pose.key()) != done) {
-                Some(pose) => return pose,
-                None => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+            pose.filter(|pose| Some(pose.key()) != done)
+        })
     }
 
     /// Plays for ever.
@@ -95,18 +91,15 @@ impl Hub {
         loop {
             let pose = self.next_pose(done);
             done = Some(pose.key());
-            let result = catch_unwind(AssertUnwindSafe(|| self.posed(&pose, &mut known, &mut bound, pool)));
-            let result = result.unwrap_or_else(|_| Err(Error::internal("the cache could not be played")));
-            let (message, posed) = match result {
-                Ok(shown) => shown,
-                Err(error) => {
-                    (known, bound) = (None, None);
-                    (ShotMessage::failed(error.faults.into_iter().next()), BTreeMap::new())
-                }
-            };
+            let posed = catch_unwind(AssertUnwindSafe(|| self.posed(&pose, &mut known, &mut bound, pool)));
+            let posed = posed.unwrap_or_else(|_| Err(Error::internal("the cache could not be played")));
+            let (message, posed) = posed.unwrap_or_else(|error| {
+                (known, bound) = (None, None);
+                (ShotMessage { fault: error.faults.into_iter().next(), ..ShotMessage::default() }, BTreeMap::new())
+            });
             self.change(|shared| {
                 shared.snapshot.posed = posed;
-                shared.snapshot.shot = Some(Arc::new(message));
+                shared.tell("shot", &ServerMessage::Shot(&message));
             });
         }
     }
@@ -157,20 +150,14 @@ impl Bound {
         let below = source.prim().rsplit_once('/').map_or("", |(parent, _)| parent);
         // The cache is checked first: it is what a user may have to change.
         let playback = Playback::open(&pose.file, &format!("{below}/sim"), sim, source)?;
-        let driver = pool.install(|| {
-            let builder = builder_for(known, &pose.rendered.job.stage, Progress::default);
-            let local = builder.meshes().frame().enter(render);
-            let binding = bound_to(&pose.simulated.update.simulated, &local, &pose.rendered.origins);
-            let corner = |face, k: usize| sim.faces.vertices_of(face)[k].index() as u32;
-            let triangles: Vec<[u32; 3]> = sim.faces.ids().map(|face| [0, 1, 2].map(|k| corner(face, k))).collect();
-            Driver::new(&BindPose {
-                sim_points: sim.points.as_slice(),
-                triangles: &triangles,
-                points: render.points.as_slice(),
-                faces: &binding.faces,
-                coords: &binding.coords,
-            })
-        })?;
+        let builder = builder_for(known, &pose.rendered.job.stage, Progress::default);
+        let local = builder.meshes().frame().enter(render);
+        let binding = pool.install(|| bound_to(&pose.simulated.update.simulated, &local, &pose.rendered.origins));
+        let triangles: Vec<[u32; 3]> = sim.faces.fans().map(|triangle| triangle.map(|v| v.index() as u32)).collect();
+        let (sim_points, points) = (sim.points.as_slice(), render.points.as_slice());
+        let (triangles, faces, coords) = (&triangles[..], &binding.faces[..], &binding.coords[..]);
+        let bind = BindPose { sim_points, triangles, points, faces, coords };
+        let driver = pool.install(|| Driver::new(&bind))?;
         Ok(Self { sim: Arc::clone(sim), render: Arc::clone(render), driver, playback })
     }
 }

@@ -6,14 +6,14 @@ use crate::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, Serve
 use crate::stage::Stage;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, OnceLock, PoisonError};
+use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
 use tailor::report::RenderFigures;
 use tailor_costume::pipeline::{Builder, Progress, SimUpdate};
 use tailor_costume::recipe::Recipe;
 use tailor_mesh::connectivity::{FaceId, IdVec};
-use tailor_mesh::error::{Error, Warnings};
+use tailor_mesh::error::{Error, ErrorKind, Warnings};
 use tailor_mesh::garment::Mesh;
 use tailor_usd::{CacheFile, STACK};
 
@@ -28,10 +28,7 @@ pub struct Simulated {
 pub type Known = Option<(Arc<Stage>, Builder)>;
 
 /// The resolved recipes of the first level of detail and of the one that is shown.
-struct LevelRecipes {
-    first: Recipe,
-    shown: Recipe,
-}
+type LevelRecipes = [Recipe; 2];
 
 impl Job {
     /// The recipe of the level that is shown, of the resolved recipe of the first one.
@@ -51,6 +48,7 @@ impl Hub {
     pub fn start(self: &Arc<Self>, threads: Option<usize>) -> Result<(), Error> {
         self.spawn("render", threads, |hub, pool| hub.work(Role::Render, pool))?;
         self.spawn("sim", threads, |hub, pool| hub.work(Role::Sim, pool))?;
+        self.spawn("fit", threads, |hub, pool| hub.work_on_fit(pool))?;
         self.spawn("cloth", threads, |hub, pool| hub.work_on_cloth(pool))
     }
 
@@ -78,13 +76,7 @@ impl Hub {
 
     /// Waits for a job after the revision `done`.
     fn next_job(&self, done: u64) -> Job {
-        let mut shared = self.lock();
-        loop {
-            match &shared.job {
-                Some(job) if job.revision > done => return job.clone(),
-                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+        self.wait_for(|shared| shared.job.clone().filter(|job| job.revision > done))
     }
 
     /// Builds one product for ever.
@@ -93,18 +85,12 @@ impl Hub {
         loop {
             let job = self.next_job(done);
             done = job.revision;
-            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.build(role, &job, &mut known))));
-            let result = result.unwrap_or_else(|_| {
-                known = None;
-                Err(Error::internal("the build ended unexpectedly"))
-            });
-            let (origin, faults) = match (role, result) {
-                (Role::Sim, result) => (Origin::Sim, result),
-                (_, result) => (Origin::Render, result),
-            };
+            let result = guarded(pool, || self.build(role, &job, &mut known));
+            known.take_if(|_| is_panic(&result));
+            let origin = if role == Role::Sim { Origin::Sim } else { Origin::Render };
             self.change(|shared| {
-                shared.snapshot.progress.remove(&role);
-                shared.set_faults(origin, faults.err().map_or(Vec::new(), |error| error.faults));
+                shared.show_step(role, None);
+                shared.set_faults(origin, result.err().map_or(Vec::new(), |error| error.faults));
             });
         }
     }
@@ -116,33 +102,28 @@ impl Hub {
         // A cache is one of the first level, and moves the render mesh of any.
         let is_first = role == Role::Sim && self.lock().shot.is_some();
         let shown = if is_first { first.clone() } else { job.of_level(&first, builder) };
-        let recipes = LevelRecipes { first, shown };
         match role {
-            Role::Sim => self.build_sim(job, builder, &recipes, start),
-            _ => self.build_render(job, builder, recipes, start),
+            Role::Sim => self.build_sim(job, builder, &[first, shown], start),
+            _ => self.build_render(job, builder, [first, shown], start),
         }
     }
 
     fn build_sim(&self, job: &Job, builder: &mut Builder, recipes: &LevelRecipes, start: Instant) -> Result<(), Error> {
-        let update = builder.update_sim(&recipes.shown)?;
+        let [first, shown] = recipes;
+        let update = builder.update_sim(shown)?;
         let shown = self.show(Role::Sim, job, &update.mesh, || Arc::new(update.sources()), start);
         if shown.message.get().is_none() {
             let _ = shown.quality.set(Arc::new(update.triangle_quality()));
             let figures = Figures::from(&update.figures());
-            let _ = shown.message.set(product(job, figures, None, &update.warnings, &[], &recipes.first));
+            let _ = shown.message.set(product(job, figures, None, &update.warnings, &[], first));
         }
         let simulated = Simulated { job: job.clone(), update };
         self.change(|shared| shared.simulated = Some(simulated));
         Ok(())
     }
 
-    fn build_render(
-        &self,
-        job: &Job,
-        builder: &mut Builder,
-        LevelRecipes { first: mut recipe, shown }: LevelRecipes,
-        start: Instant,
-    ) -> Result<(), Error> {
+    fn build_render(&self, job: &Job, builder: &mut Builder, of: LevelRecipes, start: Instant) -> Result<(), Error> {
+        let [mut recipe, shown] = of;
         let update = builder.update_render(&shown)?;
         let level = shown.render.level;
         let drawn = self.show(Role::Render, job, &update.mesh, || update.sources, start);
@@ -168,19 +149,13 @@ impl Hub {
     fn progress(self: &Arc<Self>, role: Role) -> Progress {
         let hub = Arc::clone(self);
         Progress::new(move |step| {
-            hub.change(|shared| drop(shared.snapshot.progress.insert(role, step.to_owned())));
+            hub.change(|shared| shared.show_step(role, Some(step)));
         })
     }
 
     /// Waits for a simulation mesh after that of the revision `done`.
     fn next_simulated(&self, done: u64) -> Simulated {
-        let mut shared = self.lock();
-        loop {
-            match &shared.simulated {
-                Some(simulated) if simulated.job.revision > done => return simulated.clone(),
-                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
+        self.wait_for(|shared| shared.simulated.clone().filter(|simulated| simulated.job.revision > done))
     }
 
     /// Makes the cloth of the newest simulation mesh for ever.
@@ -189,20 +164,11 @@ impl Hub {
         loop {
             let simulated = self.next_simulated(done);
             done = simulated.job.revision;
-            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| cloth(&simulated, &mut known))));
-            let result = result.unwrap_or_else(|_| {
-                known = None;
-                Err(Error::internal("the build of the cloth ended unexpectedly"))
-            });
-            let (message, faults) = match result {
-                Ok(message) => (Some(message), Vec::new()),
-                Err(error) => (None, error.faults),
-            };
+            let result = guarded(pool, || cloth(&simulated, &mut known));
+            known.take_if(|_| is_panic(&result));
             self.change(|shared| {
-                if let Some(message) = message.filter(|message| shared.snapshot.cloth.as_ref() != Some(message)) {
-                    shared.snapshot.cloth = Some(message);
-                }
-                shared.set_faults(Origin::Cloth, faults);
+                let message = result.map(|message| shared.snapshot.messages.insert("cloth".into(), message));
+                shared.set_faults(Origin::Cloth, message.err().map_or(Vec::new(), |error| error.faults));
             });
         }
     }
@@ -228,12 +194,25 @@ impl Hub {
             build: start.elapsed().as_secs_f64() * 1e3,
             recipe: Arc::clone(&job.recipe),
             sources: sources(),
-            quality: OnceLock::new(),
-            message: OnceLock::new(),
+            ..Shown::default()
         });
-        self.change(|shared| drop(shared.snapshot.shown.insert(role, Arc::clone(&shown))));
+        self.change(|shared| {
+            shared.snapshot.shown.insert(role, Arc::clone(&shown));
+            shared.move_on_way(role);
+        });
         shown
     }
+}
+
+/// Does work on the threads of a pool. A panic is an error of this program.
+pub fn guarded<T: Send>(pool: &ThreadPool, work: impl FnOnce() -> Result<T, Error> + Send) -> Result<T, Error> {
+    let result = catch_unwind(AssertUnwindSafe(|| pool.install(work)));
+    result.unwrap_or_else(|_| Err(Error::internal("the work ended unexpectedly")))
+}
+
+/// True if what was half done has to be forgotten.
+fn is_panic<T>(result: &Result<T, Error>) -> bool {
+    result.as_ref().is_err_and(|error| error.kind == ErrorKind::Internal)
 }
 
 /// The builder for a stage: the known one, or a new one.

@@ -3,6 +3,7 @@
 use super::SetKind;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use tailor_costume::cloth::Fabric;
 use tailor_costume::recipe::GroupTable;
 use tailor_mesh::error::Warning;
@@ -16,12 +17,15 @@ use tailor_usd::{self, Look, type_word};
 pub struct GarmentMessage<'a> {
     /// Version of this program.
     pub version: &'a str,
+    /// Its folder.
+    pub folder: PathBuf,
     /// File name without its folder.
     pub file: String,
     /// Path of the mesh.
     pub prim: &'a str,
     /// The axis that points up.
-    pub up_axis: UpAxis,
+    #[cfg_attr(feature = "typescript", ts(type = "UpAxis"))]
+    pub up_axis: &'static str,
     /// Metres in one unit of the mesh.
     pub meters_per_unit: f64,
     /// Number of points.
@@ -52,23 +56,6 @@ pub struct GarmentMessage<'a> {
     pub suggested: SaveTargets,
     /// Warnings of the stage and of its mesh; those of the products are in their own messages.
     pub warnings: Vec<&'a Warning>,
-}
-
-/// The axis that points up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
-pub enum UpAxis {
-    /// USD's fallback.
-    Y,
-    /// The other choice of USD.
-    Z,
-}
-
-impl UpAxis {
-    /// The axis that a stage names.
-    pub fn named(name: &str) -> Self {
-        if name == "Z" { Self::Z } else { Self::Y }
-    }
 }
 
 /// A plane of symmetry.

@@ -40,7 +40,7 @@ pub struct ClothMessage<'a> {
 }
 
 /// Figures of a product that the page shows, as in the JSON report of `build`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct Figures {
@@ -66,21 +66,14 @@ impl From<&SimFigures> for Figures {
             min_angle: Some(figures.min_angle),
             share_under30: Some(figures.share_under30),
             length_error_rms: Some(figures.length_error_rms),
-            quads: None,
+            ..Self::default()
         }
     }
 }
 
 impl From<&RenderFigures> for Figures {
     fn from(figures: &RenderFigures) -> Self {
-        Self {
-            vertices: figures.vertices,
-            faces: figures.faces,
-            min_angle: None,
-            share_under30: None,
-            length_error_rms: None,
-            quads: Some(figures.quads),
-        }
+        Self { vertices: figures.vertices, faces: figures.faces, quads: Some(figures.quads), ..Self::default() }
     }
 }
 

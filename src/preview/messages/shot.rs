@@ -4,7 +4,7 @@ use serde::Serialize;
 use tailor_mesh::error::Fault;
 
 /// The cache that is played, after it was opened and after each frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(feature = "typescript", derive(ts_rs::TS))]
 pub struct ShotMessage {
     /// The file.
@@ -19,11 +19,4 @@ pub struct ShotMessage {
     pub time: Option<f64>,
     /// Why it cannot be played.
     pub fault: Option<Fault>,
-}
-
-impl ShotMessage {
-    /// Of a cache that cannot be played.
-    pub fn failed(fault: Option<Fault>) -> Self {
-        Self { file: String::new(), frames: 0, rate: 0.0, frame: None, time: None, fault }
-    }
 }

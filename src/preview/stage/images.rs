@@ -17,12 +17,6 @@ const TYPES: [(&str, &str); 4] =
 #[derive(Debug, Default)]
 pub struct Images(Vec<PathBuf>);
 
-/// An image as it is sent.
-pub struct Image {
-    pub media_type: &'static str,
-    pub content: Vec<u8>,
-}
-
 impl Images {
     /// The images of looks that a browser can draw.
     pub fn of<'a>(looks: impl Iterator<Item = &'a Look>) -> Self {
@@ -42,8 +36,8 @@ impl Images {
         Some(format!("image/{number}?{time}"))
     }
 
-    /// The image of a number; none if it cannot be read.
-    pub fn read(&self, number: usize) -> Option<Image> {
+    /// The media type and the content of the image of a number; none if it cannot be read.
+    pub fn read(&self, number: usize) -> Option<(&'static str, Vec<u8>)> {
         let path = self.0.get(number)?;
         // A pipe would wait for ever.
         let about = fs::metadata(path).ok()?;
@@ -52,7 +46,7 @@ impl Images {
         }
         let mut content = Vec::new();
         File::open(path).ok()?.take(LARGEST).read_to_end(&mut content).ok()?;
-        Some(Image { media_type: media_type(path)?, content })
+        Some((media_type(path)?, content))
     }
 }
 

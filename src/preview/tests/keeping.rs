@@ -7,7 +7,7 @@ use crate::save::save;
 
 /// What a program that opens the garment finds.
 fn opened(folder: &Path, file: &Path) -> (Keeper, Arc<Hub>) {
-    let stage = Stage::open(&input(file)).expect("a good garment");
+    let stage = Stage::open(&input(file), None).expect("a good garment");
     let (keeper, kept) = Keeper::new(folder, &input(file), &stage);
     let hub = Hub::new(input(file), stage);
     hub.offer(kept);
@@ -55,7 +55,7 @@ fn unsaved_edits_are_offered_again_until_they_are_answered() {
     hub.answer(unsaved[0].time, true);
     let now = hub.snapshot();
     assert_eq!(now.state.edits, first);
-    assert!(now.state.message(&now.stage.upstream, 0).contains("\"kept\":null"));
+    assert!(now.state.kept.is_none());
     hub.edit(|document| document.undo());
     assert!(hub.snapshot().state.edits.is_empty(), "the answer is a step of undo");
     hub.edit(|document| document.redo());
@@ -79,9 +79,7 @@ fn an_offer_says_whether_the_options_below_have_changed() {
     end(&keeper, &hub);
     let offer = |hub: &Hub| {
         let now = hub.snapshot();
-        let message: serde_json::Value =
-            serde_json::from_str(&now.state.message(&now.stage.upstream, 0)).expect("a message");
-        message["kept"]["isCurrent"].as_bool().expect("an offer")
+        now.state.kept.expect("an offer").is_current
     };
     assert!(offer(&opened(&state, &file).1));
     let quads = "        int[] faceVertexCounts";
@@ -105,7 +103,7 @@ fn a_file_has_the_latest_edits_and_is_of_one_garment_and_recipe() {
     assert_eq!(opened(&state, &files_of[0]).1.unsaved().1, unsaved);
     assert_eq!(opened(&state, &files_of[1]).1.unsaved().1, []);
     let recipe = Input { recipe: Some(folder.path().join("c.tailor")), ..input(&files_of[0]) };
-    let stage = Stage::open(&input(&files_of[0])).expect("a good garment");
+    let stage = Stage::open(&input(&files_of[0]), None).expect("a good garment");
     assert_eq!(Keeper::new(&state, &recipe, &stage).1, []);
 }
 

@@ -175,7 +175,7 @@ fn a_selected_variant_is_saved_in_a_layer_and_refused_in_a_recipe_file() {
     assert_eq!(recipe(&look).render.level, 2);
     // The next session begins with the variant, and can save it again.
     let again = continued(input(&look));
-    let next = Hub::new(again.clone(), Stage::open(&again).expect("a good garment"));
+    let next = Hub::new(again.clone(), Stage::open(&again, None).expect("a good garment"));
     assert_eq!(next.snapshot().stage.source.facts().variants[0].selected.choice, "two");
     next.edit(|document| document.edit(options(&json!({"sim": {"iterations": 2}})), String::new()));
     let answer = save(&next, &look.display().to_string(), true);
@@ -194,7 +194,7 @@ fn a_layer_that_was_saved_is_the_start_of_the_next_session() {
     let again = continued(input(&look));
     assert_eq!(again.file.canonicalize().ok(), example("coat.usda").canonicalize().ok());
     assert_eq!(again.recipe, Some(look));
-    let stage = Stage::open(&again).expect("a good garment");
+    let stage = Stage::open(&again, None).expect("a good garment");
     assert_eq!(stage.recipe(&stage.given).expect("a good recipe"), asked(&hub));
     assert_eq!(stage.given, edits());
 }
@@ -225,7 +225,7 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     fs::write(&file, PANELS).expect("a file");
     let below = ReadOptions { prim: Some("/Suit".into()), ..ReadOptions::default() };
     let input = Input { file: file.clone(), read: below, ..Input::default() };
-    let hub = Hub::new(input.clone(), Stage::open(&input).expect("a good garment"));
+    let hub = Hub::new(input.clone(), Stage::open(&input, None).expect("a good garment"));
     let stage = hub.snapshot().stage;
     assert_eq!((stage.mesh.face_vertex_counts.len(), stage.mesh.points.len()), (2, 6));
     assert!(
@@ -241,7 +241,8 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
     assert_eq!(recipe(&saved), asked(&hub));
     let all = ReadOptions { all: true, ..ReadOptions::default() };
-    let error = Stage::open(&Input { file, read: all, ..Input::default() }).err().expect("two garments").to_string();
+    let error =
+        Stage::open(&Input { file, read: all, ..Input::default() }, None).err().expect("two garments").to_string();
     assert!(error.contains("2 garments") && error.contains("/Suit, /belt"), "{error}");
 }
 

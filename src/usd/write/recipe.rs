@@ -33,6 +33,8 @@ pub enum OptionValue {
     Tokens(Vec<String>),
     /// `string`.
     Text(String),
+    /// `asset`.
+    Asset(String),
     /// A relationship to subsets of the model.
     Subsets(Vec<String>),
 }
@@ -116,9 +118,7 @@ fn only_sublayer(data: &dyn AbstractData) -> Option<String> {
     let mark = data.try_field(&root, FieldKey::CustomLayerData.as_str()).ok()??;
     let Value::Dictionary(mark) = mark.as_ref() else { return None };
     let Some(Value::Dictionary(mark)) = mark.get(names::PRODUCT_SPACE) else { return None };
-    if mark.get(RECIPE) != Some(&Value::Bool(true)) {
-        return None;
-    }
+    let Some(Value::Bool(true)) = mark.get(RECIPE) else { return None };
     let value = data.try_field(&root, FieldKey::SubLayers.as_str()).ok()??;
     let Value::StringVec(sublayers) = value.as_ref() else { return None };
     let defines = |path: &sdf::Path| {
@@ -308,6 +308,7 @@ fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) 
         OptionValue::Int(v) => (ValueTypeName::INT, Value::Int(*v)),
         OptionValue::Token(v) => (ValueTypeName::TOKEN, Value::Token(Token::from(v.as_str()))),
         OptionValue::Text(v) => (ValueTypeName::STRING, Value::String(v.clone())),
+        OptionValue::Asset(v) => (ValueTypeName::ASSET, Value::AssetPath(sdf::AssetPath::new(v.as_str()))),
         OptionValue::Tokens(v) => {
             let tokens = v.iter().map(|v| Token::from(v.as_str())).collect();
             (ValueTypeName::TOKEN_ARRAY, Value::TokenVec(tokens))

@@ -17,9 +17,13 @@ export interface Options {
   seam?: Record<string, Fields>;
   fold?: Record<string, Fields>;
   cloth?: Fields;
+  fit?: Fields;
   lod?: Fields;
   fabric?: Record<string, Fields>;
 }
+
+/** The axis of a stage that points up. */
+export type UpAxis = "Y" | "Z";
 
 /** Presets of each kind of operator, by name. */
 export type Presets = Partial<Record<KindName, Record<string, Fields>>>;

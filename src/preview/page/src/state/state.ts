@@ -1,7 +1,7 @@
 // The state of the page, which the store changes and components read.
 
 import type { Fields, KindName } from "../server/options";
-import type { BuildMessage, ClothMessage, DrawnValues, Fault, FitMessage, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
+import type { BodiesMessage, BuildMessage, ClothMessage, DrawnValues, Fault, FitMessage, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
@@ -32,8 +32,9 @@ export interface State {
   progress: Partial<Record<Role, { step: string; since: number }>>;
   cloth: ClothMessage | null;
   shot: ShotMessage | null;
-  /** The place on the way of the fit; null without one. */
-  fit: FitMessage | null;
+  /** The place on the way of the fit, with what crosses the body there; null without one. */
+  fit: (Omit<FitMessage, "warning"> & { finding: Finding | null }) | null;
+  bodies: Omit<BodiesMessage, "type">;
   isPlaying: boolean;
   heat: DrawnValues | null;
   /** Whether the picture is the last one, or a better one comes. */
@@ -112,6 +113,7 @@ export function initialState(): State {
     cloth: null,
     shot: null,
     fit: null,
+    bodies: { files: [], isComplete: false },
     isPlaying: false,
     heat: null,
     isFinal: true,
@@ -146,10 +148,10 @@ export function initialState(): State {
   };
 }
 
-/** Warnings of the garment, of its products and of its cloth, the worst first. */
-export function findingsOf({ garment, products, cloth }: Pick<State, "garment" | "products" | "cloth">): Finding[] {
+/** Warnings of the garment, of its place on the way of the fit, of its products and of its cloth, the worst first. */
+export function findingsOf({ garment, fit, products, cloth }: Pick<State, "garment" | "fit" | "products" | "cloth">): Finding[] {
   const ofProducts = ROLES.flatMap((role) => products[role]?.warnings ?? []);
-  const all = [...(garment?.warnings ?? []), ...ofProducts, ...findingsIn(cloth?.warnings ?? [], "sim")];
+  const all = [...(garment?.warnings ?? []), ...(fit?.finding ? [fit.finding] : []), ...ofProducts, ...findingsIn(cloth?.warnings ?? [], "sim")];
   return SEVERITIES.flatMap((severity) => all.filter((each) => each.severity === severity));
 }
 
@@ -164,10 +166,10 @@ type Known = Pick<State, "faults" | "progress" | "products">;
 
 export function standingOf({ faults, progress, products }: Known, role: Role): Standing {
   if (faults.file.length > 0) return { is: "stale", why: "the file cannot be read" };
-  // Meshes of files, which nothing builds.
+  // While the garment is fitted, its products wait.
+  if (progress[role] ?? progress.model) return { is: "building", why: "" };
   if (role === "model" || role === "body") return CURRENT;
   if (faults.recipe.length > 0) return { is: "stale", why: "an option has an error" };
-  if (progress[role]) return { is: "building", why: "" };
   if (faults[role].length > 0) return { is: "stale", why: "the last build failed" };
   return products[role] ? CURRENT : { is: "building", why: "" };
 }

@@ -342,6 +342,8 @@ export class Store {
         return this.player.receive(message);
       case "fit":
         return this.way.receive(message);
+      case "bodies":
+        return this.update({ bodies: message });
       case "cloth":
         return this.update({ cloth: message });
       case "progress":
@@ -365,6 +367,7 @@ export class Store {
     if (this.state.isolated) this.isolate(null);
     // The kept meshes of another model have other numbers of edges and faces.
     if (this.state.garment?.checksum !== garment.checksum) this.split(null);
+    if (garment.body === null) this.#drop("body");
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);

@@ -1,7 +1,7 @@
 // The place of the garment on the way of the fit: asks for one after the last one has come.
 
 import type { FitMessage } from "../server/protocol";
-import type { Marked } from "../view/api";
+import { findingsIn } from "./garment";
 import type { Store } from "./store";
 
 export class Way {
@@ -20,24 +20,32 @@ export class Way {
     if (this.#isAsked) this.store.send({ type: "fit", share });
   }
 
-  receive(fit: FitMessage): void {
-    this.store.update({ fit });
+  receive({ warning, ...place }: FitMessage): void {
+    const { fit, marked } = this.store.state;
+    const [finding = null] = findingsIn(warning ? [warning] : [], "model");
+    const isMarked = marked !== null && marked === fit?.finding;
+    this.store.update({ fit: { ...place, finding }, ...(isMarked ? { marked: finding } : {}) });
     this.#isAsked = false;
     const next = this.#next;
     this.#next = null;
     if (next !== null) this.show(next);
-    // A warning that is marked stays so.
-    if (!this.store.state.marked) this.store.view?.mark(marksOf(fit), false);
+    this.mark();
+  }
+
+  /** Marks what crosses the body on the large mesh. Another warning that is marked stays so. */
+  mark(): void {
+    const { fit, marked, settings } = this.store.state;
+    if (!fit || (marked && marked !== fit.finding)) return;
+    const elements = fit.finding?.elements;
+    this.store.view?.mark(elements ? { role: settings.large, elements, isCrossing: true } : null, false);
   }
 
   /** The server forgets what was asked for when the connection is lost, and a garment that is read anew may have no way. */
   reset(): void {
     this.#isAsked = false;
     this.#next = null;
+    const { fit, marked } = this.store.state;
+    if (fit?.finding && !marked) this.store.view?.mark(null);
     this.store.update({ fit: null });
   }
-}
-
-function marksOf({ crossings }: FitMessage): Marked | null {
-  return crossings.length > 0 ? { role: "model", elements: { faces: crossings }, isCrossing: true } : null;
 }

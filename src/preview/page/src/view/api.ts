@@ -2,7 +2,8 @@
 
 import type { MeshFrame } from "../server/frame";
 import type { Column } from "./layout";
-import type { Elements, GarmentMessage, Role, SetInfo, UpAxis } from "../server/protocol";
+import type { UpAxis } from "../server/options";
+import type { Elements, GarmentMessage, Role, SetInfo } from "../server/protocol";
 
 /** A side from which the garment is seen. */
 export type Side = "front" | "side" | "back" | "top" | "three-quarter";

@@ -2,7 +2,8 @@
 
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
-import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
+import type { UpAxis } from "../server/options";
+import type { Elements, LookInfo, Role } from "../server/protocol";
 import type { Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { Cloth } from "./mesh/cloth";
 import type { Content } from "./mesh/cloth";

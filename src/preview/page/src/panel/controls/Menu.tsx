@@ -29,6 +29,8 @@ interface PopButtonProps {
   class?: string;
   disabled?: boolean;
   isMenu?: boolean;
+  /** It is about to open. */
+  opens?(): void;
   children: ComponentChildren;
   content(anchor: Anchor, close: (takesFocus: boolean) => void): ComponentChildren;
 }
@@ -36,7 +38,7 @@ interface PopButtonProps {
 type Anchor = { current: HTMLElement | null };
 
 /** A button with something that opens below it, until there is a press elsewhere. */
-export function PopButton({ label, hint, class: name, disabled, isMenu, children, content }: PopButtonProps) {
+export function PopButton({ label, hint, class: name, disabled, isMenu, opens, children, content }: PopButtonProps) {
   const [isOpen, setOpen] = useState(false);
   const wrap = useRef<HTMLSpanElement>(null);
   const button = useRef<HTMLButtonElement>(null);
@@ -61,7 +63,7 @@ export function PopButton({ label, hint, class: name, disabled, isMenu, children
         aria-expanded={isOpen}
         title={hint ?? label}
         disabled={disabled}
-        onClick={() => setOpen(!isOpen)}
+        onClick={() => (!isOpen && opens?.(), setOpen(!isOpen))}
       >
         {children}
       </button>

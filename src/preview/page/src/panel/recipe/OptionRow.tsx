@@ -8,6 +8,8 @@ import { automaticLength } from "../../state/garment";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
 import { isMixed, keysWith } from "../../state/cards";
+import { Icon } from "../controls/icons";
+import { MenuButton, type MenuItem } from "../controls/Menu";
 import { IconButton, Segments, Select, Switch } from "../controls/controls";
 import { NumberField } from "../controls/NumberField";
 import { Slider, type Range } from "../controls/Slider";
@@ -111,7 +113,7 @@ function Control({ option, full, ...described }: ControlProps) {
     case "primPath":
       return <TextField {...described} value={String(value)} placeholder="/Body/hips" change={set} />;
     case "file":
-      return <TextField {...described} value={String(value)} placeholder="body.usd" change={set} />;
+      return <FileChoice {...described} value={String(value)} change={set} />;
     case "words": {
       const chosen = Array.isArray(value) ? value : [];
       return <WordChoice {...described} words={domain.words} chosen={chosen} change={set} />;
@@ -152,6 +154,33 @@ function NameSelect({ value, of, change, mixed, ...described }: NamedSelectProps
     : [{ choices: [...first, ...primvars] }];
   const filled = groups.filter(({ choices }) => choices.length > 0);
   return <Select {...described} value={mixed ? MIXED : value} groups={filled} change={(name) => name !== MIXED && change(name)} />;
+}
+
+/** A path from a folder, if it leads into that or into one beside it. */
+function fromFolder(path: string, folder: string): string {
+  const above = folder.slice(0, folder.search(/[^/\\]+$/));
+  if (above === "" || !path.startsWith(above)) return path;
+  const below = path.startsWith(folder) && /[/\\]/.test(path.charAt(folder.length));
+  return below ? path.slice(folder.length + 1) : `../${path.slice(above.length)}`;
+}
+
+/** A file that is typed, or chosen from those near the garment. */
+function FileChoice({ value, change, ...described }: NamedSelectProps) {
+  const store = useStore();
+  const folder = useSelect(({ garment }) => garment?.folder) ?? "";
+  const { files, isComplete } = useSelect((state) => state.bodies);
+  const items = (): MenuItem[] => [
+    ...(value === "" ? [] : [{ label: "none", pick: () => change("") }]),
+    ...files.map((file) => ({ label: fromFolder(file, folder), pick: () => change(file) })),
+  ];
+  return (
+    <span class="file-choice" title={value}>
+      <TextField {...described} value={fromFolder(value, folder)} placeholder="body.usd" change={change} />
+      <MenuButton label={`Files for ${described.label}`} hint="USD files with one mesh, in the garment's folder, below it and beside it" items={items} opens={() => store.send({ type: "bodies" })} empty={isComplete ? "No file with one mesh is near the garment" : "Looking for files with one mesh"}>
+        <Icon name="down" />
+      </MenuButton>
+    </span>
+  );
 }
 
 /** A fabric that every recipe has, or one of this recipe. */

@@ -24,6 +24,7 @@ export function Recipe() {
   const often = OFTEN.flatMap((key) => options.filter((option) => option.key === key));
   const rest = options.filter(({ key }) => key.startsWith("sim.") && !OFTEN.includes(key));
   const cloth = options.filter(({ key }) => key.startsWith("cloth."));
+  const fit = options.filter(({ key }) => key.startsWith("fit."));
   const lod = options.filter(({ key }) => key.startsWith("lod."));
   const render = options.filter(({ key }) => key.startsWith("render.") && key !== ORDER);
   return (
@@ -46,6 +47,9 @@ export function Recipe() {
               <ClothFigures />
               <Rows options={cloth} />
               <Fabrics />
+            </Section>
+            <Section title="Fit">
+              <Rows options={fit} />
             </Section>
             <Section title="Levels of detail">
               <Rows options={lod} />

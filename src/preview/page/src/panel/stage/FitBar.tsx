@@ -1,15 +1,19 @@
 // Moves the garment and the body on the way of the fit.
 
+import { useEffect } from "preact/hooks";
 import { useSelect, useStore } from "../controls/hooks";
 import { percent } from "../controls/numbers";
 
 export function FitBar() {
   const store = useStore();
   const fit = useSelect((state) => state.fit);
+  const large = useSelect(({ settings }) => settings.large);
+  useEffect(() => store.way.mark(), [large]);
   if (!fit) return null;
-  const { share, crossings, new: fresh } = fit;
-  const faces = crossings.length === 1 ? "1 face crosses" : `${crossings.length} faces cross`;
-  const crossing = crossings.length === 0 ? "nothing crosses" : `${faces}, ${fresh === 0 ? "none" : fresh} new`;
+  const { share, finding, new: fresh } = fit;
+  const [{ length: count } = []] = Object.values(finding?.elements ?? {});
+  const faces = count === 1 ? "1 face crosses" : `${count} faces cross`;
+  const crossing = count === 0 ? "nothing crosses" : `${faces}, ${fresh === 0 ? "none" : fresh} new`;
   return (
     <div class="scrub-bar" role="group" aria-label="Fit" title="From the body that the garment was made for to the one that it fits">
       <input

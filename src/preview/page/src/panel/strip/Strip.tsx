@@ -20,7 +20,8 @@ export function Strip() {
   const lastEdit = useSelect((state) => state.lastEdit);
   const garment = useSelect((state) => state.garment);
   const cloth = useSelect((state) => state.cloth);
-  const findings = findingsOf({ garment, products, cloth });
+  const fit = useSelect((state) => state.fit);
+  const findings = findingsOf({ garment, fit, products, cloth });
   const toggle = () => store.settings({ figures: !isOpen });
   return (
     <section class={`strip ${isOpen ? "is-open" : ""}`} aria-label="Figures and warnings">

@@ -4,7 +4,7 @@ import { OrthographicCamera, PerspectiveCamera, Sphere, Vector2, Vector3 } from 
 import { Motion } from "./motion";
 import type { Pose } from "./motion";
 import type { Side } from "../api";
-import type { UpAxis } from "../../server/protocol";
+import type { UpAxis } from "../../server/options";
 
 /** Half of the angle that the shorter side of the view spans. [radians] */
 const HALF_ANGLE = (14 * Math.PI) / 180;
