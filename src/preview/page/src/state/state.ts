@@ -6,7 +6,7 @@ import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/pro
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
-import type { Outline, Picked, Plan } from "../view/api";
+import type { Grip, Outline, Picked, Plan } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import { ROLES } from "../view/layout";
 import type { Timing } from "./stopwatch";
@@ -49,6 +49,8 @@ export interface State {
   selection: Selection | null;
   /** What is written on the flat panels. */
   plan: Plan;
+  /** Where the handles of an operator are. */
+  grip: Grip | null;
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
   marked: Finding | null;
@@ -123,6 +125,7 @@ export function initialState(): State {
     clicked: null,
     selection: null,
     plan: [],
+    grip: null,
     isSelecting: false,
     marked: null,
     place: null,

@@ -80,6 +80,7 @@ export class Store {
         hover: (hovered, outlines) => this.#hover(hovered, outlines),
         click: (clicked, how) => this.#click(clicked, how),
         plan: (plan) => this.#plan(plan),
+        grip: (grip) => JSON.stringify(grip) !== JSON.stringify(this.state.grip) && this.update({ grip }),
         final: (isFinal) => isFinal !== this.state.isFinal && this.update({ isFinal }),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });

@@ -82,6 +82,24 @@ export interface Outline extends Pick<Column, "x" | "y" | "width" | "height"> {
   path: string;
 }
 
+/** [CSS pixels] */
+export type Vector = [number, number];
+
+/** A place of an operator on the render mesh for its handles, as the camera sees it. [CSS pixels] */
+export interface Grip {
+  x: number;
+  y: number;
+  column: Box;
+  /** The way of one mesh unit to the left of the edges; null of faces. */
+  left: Vector | null;
+  /** 1 where all cloth is on the left, -1 where it is on the right, 0 where it is on both sides. */
+  cloth: -1 | 0 | 1;
+  /** The way of one mesh unit along the normal. */
+  normal: Vector;
+  /** One mesh unit across the line of sight. */
+  unit: number;
+}
+
 /** What a click does with the selection. `path` adds the shortest path from the last pick. */
 export type PickHow = "replace" | "add" | "remove" | "path";
 
@@ -92,6 +110,8 @@ export interface ViewEvents {
   click(picked: Picked | null, how: PickHow): void;
   /** The flat panels were drawn elsewhere, or the meshes are in space again. */
   plan(plan: Plan): void;
+  /** The grip is seen elsewhere, or is no longer. */
+  grip(grip: Grip | null): void;
   /** Whether the picture is the last one, or a better one comes. */
   final(isFinal: boolean): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
@@ -153,6 +173,8 @@ export interface View {
   flyToPlace(at: number): void;
   /** Draws selected elements of the model on all meshes, faint behind cloth; null ends it. */
   select(elements: Elements | null): void;
+  /** Finds a place on the render mesh at elements of the model that is seen, for handles there; null ends it. */
+  grip(elements: Elements | null): void;
   /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */
   reveal(what: Elements | string): void;
   /** Hides all but this in all meshes, or shows all for null. Returns whether something is hidden. */

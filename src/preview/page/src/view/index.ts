@@ -13,6 +13,8 @@ import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
+import { Gripper } from "./grip";
+import type { Sight } from "./grip";
 import { aspectOf, columnAt, columns, largeOf, ROLES, sameColumns, splitAt } from "./layout";
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
@@ -68,6 +70,7 @@ class CanvasView implements View {
   readonly #uploads = new Uploads();
   readonly #still: Still;
   readonly #planner = new Planner();
+  readonly #gripper: Gripper;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -79,6 +82,7 @@ class CanvasView implements View {
     this.#markers = new Markers(this.#stage);
     this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
     this.#picker = new Picker(this.#stage.renderer);
+    this.#gripper = new Gripper(this.#picker, (at) => this.#spotAt(at));
     const parts: Draw = ({ sample: target }, sample) =>
       this.#stage.parts({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample);
     this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false), (is) => this.events.final(is));
@@ -210,6 +214,11 @@ class CanvasView implements View {
   select(elements: Elements | null): void {
     this.#markers.selected = elements;
     this.#placeMarkers();
+    this.#invalidate();
+  }
+
+  grip(elements: Elements | null): void {
+    this.#gripper.set(elements);
     this.#invalidate();
   }
 
@@ -395,8 +404,9 @@ class CanvasView implements View {
     this.#awaited = 0;
     const more = this.#cameras.step(now);
     this.#draw();
-    if (more) this.#invalidate();
-    else this.#hover.look();
+    if (more) return this.#invalidate();
+    this.#hover.look();
+    this.#settle();
   }
 
   #drawPlain(isMoving: boolean): void {
@@ -410,6 +420,7 @@ class CanvasView implements View {
     this.#drawPlain(isMoving);
     this.#still.restart(this.#stage.isDraft);
     this.#plan();
+    this.events.grip(this.#gripper.seen(this.#renderSight));
     if (this.#hovered) this.#hovers(this.#hovered);
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
@@ -419,6 +430,21 @@ class CanvasView implements View {
     const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
     const columns = this.#columns.filter(({ flat, split }) => flat && !split?.isKept);
     this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#cameras.flat));
+  }
+
+  #settle(near: Place | null = null): void {
+    const sight = this.#renderSight;
+    if (this.#gripper.settle(sight, near)) this.events.grip(this.#gripper.seen(sight));
+  }
+
+  /** The render mesh in space, where it is solid. */
+  get #renderSight(): Sight | null {
+    const [model, cloth] = [this.#stage.cloths.get("model"), this.#stage.cloths.get("render")];
+    const column = this.#columns.find(({ flat, roles, split }) => !flat && !split?.isKept && roles.at(-1) === "render");
+    if (!model || !cloth || !column) return null;
+    const rig = this.#cameras.space;
+    rig.place(aspectOf(column));
+    return { model, cloth, column, camera: rig.camera };
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */
@@ -487,7 +513,9 @@ class CanvasView implements View {
   }
 
   #hovers(picked: Picked | null): void {
+    const isNew = picked && (picked.x !== this.#hovered?.x || picked.y !== this.#hovered.y);
     this.#hovered = picked;
+    if (isNew && picked.role === "render" && picked.edge && this.#gripper.has(picked.edge)) this.#settle(picked);
     this.events.hover(picked, picked ? this.#columns.flatMap((column) => this.#outlineIn(column, picked)) : []);
   }
 

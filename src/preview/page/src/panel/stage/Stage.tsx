@@ -9,6 +9,7 @@ import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
 import { PickPopover } from "./PickPopover";
 import { FirstSteps } from "./FirstSteps";
+import { Handles } from "./Handles";
 import { FitBar } from "./FitBar";
 import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
@@ -35,6 +36,7 @@ export function Stage() {
       />
       <Outlines />
       <ColumnLabels />
+      <Handles />
       <StillNote />
       <FirstLoad />
       <Progress />
