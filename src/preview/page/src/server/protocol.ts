@@ -349,6 +349,8 @@ export type MirrorInfo = {
   share: number,
   /** The set on the other side of each set, by name; a set that lies on both sides has its own name. */
   twins: { [key in string]: string },
+  /** The point on the other side of each point; itself where it has none. */
+  points: Array<number>,
 };
 
 /** The type of the numbers in a block. */

@@ -273,7 +273,7 @@ export function shortName(expression: string): string {
     const count = countIn(kind, numbers);
     return `${count} picked ${count === 1 ? kind.slice(0, -1).toLowerCase() : kind.toLowerCase()}`;
   };
-  return expression.replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
+  return expression.replace(/painted\("[^"]*", "[^"]*"\)/g, "painted").replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
 }
 
 function countIn(kind: string, numbers: string): number {

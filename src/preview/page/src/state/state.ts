@@ -5,6 +5,7 @@ import type { BuildMessage, ClothMessage, DrawnValues, Fault, FitMessage, Origin
 import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
+import type { Brush } from "./painter";
 import type { Selection } from "./selection";
 import type { Grip, Outline, Picked, Plan } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
@@ -49,6 +50,8 @@ export interface State {
   selection: Selection | null;
   /** What is written on the flat panels. */
   plan: Plan;
+  /** What is painted; null for nothing. */
+  brush: Brush | null;
   /** Where the handles of an operator are. */
   grip: Grip | null;
   /** Whether the bar of the selection is there without one, to type it. */
@@ -125,6 +128,7 @@ export function initialState(): State {
     clicked: null,
     selection: null,
     plan: [],
+    brush: null,
     grip: null,
     isSelecting: false,
     marked: null,

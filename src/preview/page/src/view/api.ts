@@ -103,6 +103,18 @@ export interface Grip {
 /** What a click does with the selection. `path` adds the shortest path from the last pick. */
 export type PickHow = "replace" | "add" | "remove" | "path";
 
+/** Paints on the points of the model. */
+export interface Brush {
+  /** Of each point, from 0 to 1. Strokes change them. */
+  weights: Float32Array<ArrayBuffer>;
+  /** [mesh units] */
+  radius: number;
+  /** Share of the way to the wanted weight at the middle of a dab. */
+  strength: number;
+  /** The point on the other side of each point, which is painted too; null for one side. */
+  mirror: number[] | null;
+}
+
 export interface ViewEvents {
   /** The pointer rests on something else than before, or it is drawn elsewhere; null is nothing. */
   hover(picked: Picked | null, outlines: Outline[]): void;
@@ -112,6 +124,8 @@ export interface ViewEvents {
   plan(plan: Plan): void;
   /** The grip is seen elsewhere, or is no longer. */
   grip(grip: Grip | null): void;
+  /** A stroke of the brush has ended. */
+  painted(weights: Float32Array): void;
   /** Whether the picture is the last one, or a better one comes. */
   final(isFinal: boolean): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
@@ -175,6 +189,12 @@ export interface View {
   select(elements: Elements | null): void;
   /** Finds a place on the render mesh at elements of the model that is seen, for handles there; null ends it. */
   grip(elements: Elements | null): void;
+  /** Paints with the pointer, and shows the weights as heat on the model; null ends it. */
+  brush(brush: Brush | null): void;
+  /** The values of a primvar that the model shows as heat; null if it shows another one. */
+  weightsOf(name: string): Float32Array<ArrayBuffer> | null;
+  /** The weights that the engine gives a set, for its elements. */
+  blended(elements: Elements | null): Float32Array<ArrayBuffer> | null;
   /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */
   reveal(what: Elements | string): void;
   /** Hides all but this in all meshes, or shows all for null. Returns whether something is hidden. */

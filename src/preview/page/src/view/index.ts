@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
-import type { Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Brush, Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { Cloth } from "./mesh/cloth";
 import type { Content } from "./mesh/cloth";
 import { contentOf } from "./mesh/copy";
@@ -13,6 +13,8 @@ import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
+import { blended, dab } from "./brush";
+import type { Stroke } from "./brush";
 import { Gripper } from "./grip";
 import type { Sight } from "./grip";
 import { aspectOf, columnAt, columns, largeOf, ROLES, sameColumns, splitAt } from "./layout";
@@ -30,6 +32,7 @@ import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import type { Draw } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
+import { sourceOf } from "./mesh/sources";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { histogram, worstFace } from "./mesh/values";
 import { Stage } from "./stage";
@@ -71,6 +74,8 @@ class CanvasView implements View {
   readonly #still: Still;
   readonly #planner = new Planner();
   readonly #gripper: Gripper;
+  #brush: Brush | null = null;
+  #stroke: Stroke = "paint";
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -91,6 +96,9 @@ class CanvasView implements View {
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
     listen(canvas, {
+      begin: (at, event) => this.#begin(at, event),
+      stroke: (at) => void this.#dab(at),
+      end: () => this.#brush && this.events.painted(this.#brush.weights),
       orbit: (dx, dy, from) => (this.#columnAt(from).flat ? this.#pan(dx, dy, from) : this.#orbit(dx, dy)),
       pan: (dx, dy, from) => this.#pan(dx, dy, from),
       zoom: (factor, at) => this.#zoom(factor, at),
@@ -220,6 +228,43 @@ class CanvasView implements View {
   grip(elements: Elements | null): void {
     this.#gripper.set(elements);
     this.#invalidate();
+  }
+
+  brush(brush: Brush | null): void {
+    this.#brush = brush;
+    this.#showWeights();
+  }
+
+  weightsOf(name: string): Float32Array<ArrayBuffer> | null {
+    const values = this.#stage.cloths.get("model")?.values;
+    return values?.name === name && values.of === "point" ? values.numbers.slice() : null;
+  }
+
+  blended(elements: Elements | null): Float32Array<ArrayBuffer> | null {
+    const model = this.#stage.cloths.get("model");
+    return model ? blended(model, elements) : null;
+  }
+
+  #showWeights(): void {
+    const numbers = this.#brush?.weights;
+    this.#stage.cloths.get("model")?.showValues(numbers ? { name: "", of: "point", least: 0, most: 1, numbers } : null);
+    this.#invalidate();
+  }
+
+  #begin(at: Place, { altKey, shiftKey }: PointerEvent): boolean {
+    this.#stroke = shiftKey ? "smooth" : altKey ? "erase" : "paint";
+    return this.#dab(at);
+  }
+
+  /** Paints where the pointer is on cloth. */
+  #dab(at: Place): boolean {
+    const spot = this.#brush && this.#spotAt(at);
+    const face = spot ? this.#picker.look(spot).face : -1;
+    const place = spot && face >= 0 ? onFace(spot, face) : null;
+    if (!this.#brush || !spot || !place || spot.flat) return false;
+    dab(spot.model, sourceOf(spot.cloth, face), place, this.#brush, this.#stroke);
+    this.#showWeights();
+    return true;
   }
 
   reveal(what: Elements | string): void {

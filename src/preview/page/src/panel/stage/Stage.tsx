@@ -7,6 +7,7 @@ import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
+import { PaintBar } from "./PaintBar";
 import { PickPopover } from "./PickPopover";
 import { FirstSteps } from "./FirstSteps";
 import { Handles } from "./Handles";
@@ -47,6 +48,7 @@ export function Stage() {
       <HoverLabel />
       <PickPopover />
       <SelectionBar />
+      <PaintBar />
       <FitBar />
       <ScrubBar />
       <Toasts />
