@@ -5,12 +5,14 @@ import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
-import { build, sewnShirt } from "./support/garments.mjs";
+import { build, sewnShirt, substitute } from "./support/garments.mjs";
 import { temporaryFolder } from "./support/server.mjs";
 
 /** The shirt from the front, with the brush in hand. */
 async function painting(t, settings = {}) {
-  const preview = await show(t, sewnShirt(t), { isNew: true, viewport: SCREEN });
+  const shirt = sewnShirt(t);
+  substitute(shirt, 'tailor:sim:density = "simDensity"', 'tailor:sim:density = ""');
+  const preview = await show(t, shirt, { isNew: true, viewport: SCREEN });
   await preview.settings({ symmetric: false, ...settings });
   await preview.evaluate(() => preview.view.look("front"));
   await preview.isStill();
@@ -105,8 +107,14 @@ test("painted weights are saved as a primvar of the layer, and are there again w
   assertClean(again);
 });
 
-test("a stroke goes on from a set, and folds and pins are painted too", async (t) => {
+test("a stroke goes on from a primvar or a set, and folds and pins are painted too", async (t) => {
   const preview = await painting(t);
+  await preview.page.keyboard.press("p");
+  await preview.after("sim", () => preview.set("sim.density", "simDensity"));
+  await preview.page.keyboard.press("p");
+  await preview.when(() => preview.store.state.brush?.isReady);
+  await preview.after("sim", () => stroke(preview));
+  assert.ok(weights(await option(preview, "sim", "density")).filter((weight) => weight > 0.3).length > 50, "what the file has painted");
   await preview.page.keyboard.press("p");
   await preview.after("sim", () => preview.set("sim.density", "neckband"));
   await preview.page.keyboard.press("p");
@@ -117,7 +125,7 @@ test("a stroke goes on from a set, and folds and pins are painted too", async (t
   assert.ok(density.filter((weight) => weight === 1).length > 10, "the neckband is dense as before");
   assert.ok((await preview.meshes()).sim.faces > same.sim.faces);
 
-  await preview.page.getByLabel("Paint", { exact: true }).selectOption("fold.neck.weights");
+  await preview.page.getByLabel("What is painted").selectOption("fold.neck.weights");
   await preview.when(() => preview.store.state.brush?.isReady);
   await preview.page.keyboard.down("Alt");
   await stroke(preview, { from: [0, -160], to: [40, -160] });
@@ -126,7 +134,7 @@ test("a stroke goes on from a set, and folds and pins are painted too", async (t
   const fold = weights((await preview.document()).merged.fold.neck.weights);
   assert.ok(fold.includes(1) && fold.some((weight) => weight < 1), "a fold has its whole thickness where nothing is painted");
 
-  await preview.page.getByLabel("Paint", { exact: true }).selectOption("cloth.pins");
+  await preview.page.getByLabel("What is painted").selectOption("cloth.pins");
   await preview.when(() => preview.store.state.brush?.isReady);
   await stroke(preview);
   await preview.quiet();

@@ -114,7 +114,7 @@ export class Painter {
   #take(weights: Float32Array): void {
     this.#weights = weights;
     const { brush } = this.store.state;
-    if (brush) this.store.update({ brush: { ...brush, isReady: true } });
+    if (brush) this.store.show({ brush: { ...brush, primvar: null, isReady: true } });
     this.#give();
   }
 

@@ -153,6 +153,13 @@ export function initialState(): State {
   };
 }
 
+/** The settings, or those for painting: the cage of the model as heat. */
+export function shownOf({ settings, brush }: Pick<State, "settings" | "brush">): Settings {
+  if (!brush) return settings;
+  const roles = ROLES.filter((role) => role === "model" || settings.roles.includes(role));
+  return { ...settings, roles, layout: "large", large: "model", flat: false, shading: "values", smooth: 0, values: brush.primvar };
+}
+
 /** Warnings of the garment, of its products and of its cloth, the worst first. */
 export function findingsOf({ garment, products, cloth }: Pick<State, "garment" | "products" | "cloth">): Finding[] {
   const ofProducts = ROLES.flatMap((role) => products[role]?.warnings ?? []);

@@ -6,7 +6,7 @@ import { EditQueue } from "./editQueue";
 import { Gestures } from "./gesture";
 import { onSystemTheme, paintedChoices, QUALITIES, saveSettings, viewOptions } from "./settings";
 import type { Settings } from "./settings";
-import { initialState, type State, type Toast } from "./state";
+import { initialState, shownOf, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
 import { Player } from "./player";
 import { Painter } from "./painter";
@@ -161,7 +161,7 @@ export class Store {
     this.update({ settings, ...(settings.shading === "values" ? {} : { heat: null }) });
     const dropped = [...this.#held].filter((role) => !isHeld(role, settings));
     for (const role of dropped) this.#drop(role);
-    this.view?.setOptions(viewOptions(this.#shown));
+    this.view?.setOptions(viewOptions(shownOf(this.state)));
     this.#ask();
     this.painter.renew();
   }
@@ -170,14 +170,6 @@ export class Store {
   show(change: Pick<State, "brush">): void {
     this.update(change);
     this.#show({});
-  }
-
-  /** The settings, or those for painting: the cage of the model as heat. */
-  get #shown(): Settings {
-    const { settings, brush } = this.state;
-    if (!brush) return settings;
-    const roles = ROLES.filter((role) => role === "model" || settings.roles.includes(role));
-    return { ...settings, roles, layout: "large", large: "model", flat: false, shading: "values", smooth: 0, values: brush.primvar };
   }
 
   /** Asks for what is shown, unless the server was asked for it already. */
@@ -203,7 +195,7 @@ export class Store {
 
   /** The model is always needed, for marks and picking. */
   #wanted(): PageMessage {
-    const settings = this.#shown;
+    const settings = shownOf(this.state);
     const { smooth, shading, fabric, flat, values } = settings;
     const { image, relief, colour, weave } = fabric;
     const hasImages = colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);

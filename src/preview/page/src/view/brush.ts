@@ -51,12 +51,16 @@ export function dab(model: Cloth, face: number, at: Vector3, { weights, radius, 
   for (const point of reached) {
     for (const next of around(model)[point]) if (far(next) < 1) reached.add(next);
   }
-  const before = weights.slice();
+  const shares = new Map<number, number>();
   for (const point of reached) {
     const share = strength * Math.max(0, 1 - far(point) ** 2) ** 2;
+    for (const each of [point, mirror?.[point] ?? point]) shares.set(each, Math.max(share, shares.get(each) ?? 0));
+  }
+  const before = weights.slice();
+  for (const [point, share] of shares) {
     const beside = [...around(model)[point]];
     const mean = beside.reduce((sum, each) => sum + before[each], 0) / Math.max(1, beside.length);
     const goal = stroke === "smooth" ? mean : stroke === "erase" ? 0 : 1;
-    for (const each of new Set([point, mirror?.[point] ?? point])) weights[each] = before[each] + share * (goal - before[each]);
+    weights[point] += share * (goal - before[point]);
   }
 }

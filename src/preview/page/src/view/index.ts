@@ -232,6 +232,7 @@ class CanvasView implements View {
 
   brush(brush: Brush | null): void {
     this.#brush = brush;
+    for (const cloth of this.#stage.all) cloth.showValues(null);
     this.#showWeights();
   }
 
@@ -247,7 +248,7 @@ class CanvasView implements View {
 
   #showWeights(): void {
     const numbers = this.#brush?.weights;
-    this.#stage.cloths.get("model")?.showValues(numbers ? { name: "", of: "point", least: 0, most: 1, numbers } : null);
+    if (numbers) this.#stage.cloths.get("model")?.showValues({ name: "", of: "point", least: 0, most: 1, numbers });
     this.#invalidate();
   }
 

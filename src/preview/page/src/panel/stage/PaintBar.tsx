@@ -21,7 +21,7 @@ export function PaintBar() {
   const choices = store.painter.targets().map(({ key, label }) => ({ value: key, label }));
   return (
     <div class="selection-bar paint-bar" role="toolbar" aria-label="Brush" title="Drag on the garment; Alt takes away, Shift smooths">
-      <Select label="Paint" value={key} groups={[{ choices }]} change={(key) => store.painter.take(key)} />
+      <Select label="What is painted" value={key} groups={[{ choices }]} change={(key) => store.painter.take(key)} />
       <span>Radius {rounded(radius / size)} {word}</span>
       <Slider label="Radius" value={radius / size} range={{ least, most, step, fine: step / 10 }} change={(radius) => store.painter.set({ radius: radius * size })} />
       <span>Strength</span>
