@@ -20,7 +20,8 @@ use tailor_mesh::files::{self, folder_of};
 use tailor_mesh::garment::Garment;
 use tailor_usd::session::Input;
 use tailor_usd::{
-    EarlierRecipe, OptionValue, PAINTED, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside, write_recipe,
+    EarlierRecipe, OptionValue, PAINTED, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside,
+    write_recipe,
 };
 
 /// The content of a save.
@@ -183,7 +184,8 @@ impl Content {
     /// The edits with the names of primvars in place of painted weights, and these primvars.
     fn with_primvars(&self) -> (Options, Vec<(String, Vec<f32>)>) {
         let mut found = Vec::new();
-        let edits = self.edits.iter().map(|(key, value)| (key.clone(), named(value, &format!("{PAINTED}{key}"), &mut found)));
+        let edits =
+            self.edits.iter().map(|(key, value)| (key.clone(), named(value, &format!("{PAINTED}{key}"), &mut found)));
         (edits.collect(), found)
     }
 

@@ -4,10 +4,10 @@ use super::fitted::{FitWay, follow_body};
 use crate::{PAINTED, ReadOptions, Selection, Source, variants_of};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
+use tailor::sets::painted_expression;
 use tailor_costume::pipeline::Builder;
 use tailor_costume::recipe::{Layers, Recipe, RecipeFile, is_recipe};
 use tailor_mesh::error::{Error, Warnings};
-use tailor::sets::painted_expression;
 use tailor_mesh::garment::{Garment, Values};
 
 /// A garment and the options for it.

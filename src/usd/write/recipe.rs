@@ -307,12 +307,10 @@ fn author(data: &mut Data, model: &Model, opinions: &RecipeOpinions) -> openusd:
 
 fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) -> openusd::Result<()> {
     let path = prim.append_property(name)?;
-    let mut variability = Variability::Uniform;
+    let are_weights = matches!(value, OptionValue::Weights(_));
+    let variability = if are_weights { Variability::Varying } else { Variability::Uniform };
     let (type_name, value) = match value {
-        OptionValue::Weights(v) => {
-            variability = Variability::Varying;
-            (ValueTypeName::FLOAT_ARRAY, Value::FloatVec(v.clone()))
-        }
+        OptionValue::Weights(v) => (ValueTypeName::FLOAT_ARRAY, Value::FloatVec(v.clone())),
         OptionValue::Bool(v) => (ValueTypeName::BOOL, Value::Bool(*v)),
         OptionValue::Float(v) => (ValueTypeName::FLOAT, Value::Float(*v)),
         OptionValue::Int(v) => (ValueTypeName::INT, Value::Int(*v)),
@@ -331,9 +329,8 @@ fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) 
         }
     };
     sdf::AttributeSpec::new(data, &path, type_name, variability, false)?;
-    if variability == Variability::Varying {
-        let vertex = Value::Token(Token::from("vertex"));
-        AbstractData::set_field(data, &path, names::INTERPOLATION, vertex);
+    if are_weights {
+        AbstractData::set_field(data, &path, names::INTERPOLATION, Value::Token(Token::from("vertex")));
     }
     AbstractData::set_field(data, &path, FieldKey::Default.as_str(), value);
     Ok(())

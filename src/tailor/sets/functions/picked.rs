@@ -125,10 +125,10 @@ pub fn faces(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
 
 pub fn painted(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let count = of.sets.topology.vertex_count();
-    let weights = weights(numbers(of, arguments)?).filter(|weights| weights.len() == count);
-    let fault = || SetFault::new("the painted weights are not two hexadecimal digits for each point", "paint them again");
-    let above = weights.ok_or_else(fault)?.into_iter().enumerate().filter(|(_, weight)| *weight > 0.0);
-    Ok(ElementSet::Points(above.map(|(point, _)| VertexId::new(point)).collect()))
+    let fault =
+        || SetFault::new("the painted weights are not two hexadecimal digits for each point", "paint them again");
+    let weights = weights(numbers(of, arguments)?).filter(|weights| weights.len() == count).ok_or_else(fault)?;
+    Ok(ElementSet::Points((0..count).filter(|&point| weights[point] > 0.0).map(VertexId::new).collect()))
 }
 
 /// Weights of two hexadecimal digits each, `ff` for 1.
@@ -139,10 +139,8 @@ fn weights(text: &str) -> Option<Vec<f32>> {
 
 /// The weights of the points, if the expression is `painted` alone.
 pub fn painted_weights(expression: &str) -> Option<Vec<f32>> {
-    match expression.split('"').collect::<Vec<_>>()[..] {
-        ["painted(", _, ", ", text, ")"] => weights(text),
-        _ => None,
-    }
+    let ["painted(", _, ", ", text, ")"] = expression.split('"').collect::<Vec<_>>()[..] else { return None };
+    weights(text)
 }
 
 /// The expression of painted weights of the points of a mesh.

@@ -89,7 +89,6 @@ export type Vector = [number, number];
 export interface Grip {
   x: number;
   y: number;
-  column: Box;
   /** The way of one mesh unit to the left of the edges; null of faces. */
   left: Vector | null;
   /** 1 where all cloth is on the left, -1 where it is on the right, 0 where it is on both sides. */

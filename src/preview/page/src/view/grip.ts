@@ -18,11 +18,10 @@ const LEAST_FACING = 0.2;
 /** Places that are tried at most, and their least distance. [CSS pixels] */
 const TRIES = 12;
 const APART = 48;
-
 /** Cloth that is seen this near to the place is the cloth there. [CSS pixels] */
 const NEAR = 8;
 
-/** The column in which it is, with what it sees. */
+/** The meshes in a column, as its camera sees them. */
 export interface Sight {
   model: Cloth;
   cloth: Cloth;
@@ -32,7 +31,7 @@ export interface Sight {
 
 type Ends = [number, number];
 
-/** An edge of the mesh, the place of its middle, and the normal there. */
+/** An edge of the mesh, its middle, and the normal there. */
 interface Foot {
   ends: Ends;
   at: Vector3;
@@ -56,24 +55,22 @@ export class Gripper {
   /** Elements of the model that the operator follows; null ends it. */
   set(elements: Elements | null): void {
     this.#elements = elements;
-    this.#foot = null;
-    this.#cloth = null;
+    this.#foot = this.#cloth = null;
   }
 
   /** Whether it follows an edge of the model. */
-  has([a, b]: Ends): boolean {
-    return this.#elements?.edges?.some(([c, d]) => (a === c && b === d) || (a === d && b === c)) ?? false;
+  has(edge: Ends): boolean {
+    return this.#elements?.edges?.some((each) => each.every((end) => edge.includes(end))) ?? false;
   }
 
-  /** Finds a place once the camera rests, unless the one before is seen there too. `near` is where it is looked for, else in the
+  /** Finds a place once the camera rests, unless the one before is seen there too: near a place of the canvas, or else in the
    *  middle of the column. Returns whether there may be another. */
   settle(sight: Sight | null, near: Place | null = null): boolean {
-    const { camera } = sight ?? {};
-    const state = `${camera?.matrixWorld.elements} ${camera?.projectionMatrix.elements} ${near?.x} ${near?.y}`;
+    const state = `${sight?.camera.matrixWorld.elements} ${sight?.camera.projectionMatrix.elements} ${near?.x} ${near?.y}`;
     if (!sight || !this.#elements || (state === this.#checked && this.#cloth === sight.cloth)) return false;
     this.#checked = state;
     const known = this.#current(sight);
-    if (known && !near && this.#isSeen(sight, known)) return false;
+    if (known && !near && isOpen(sight, known) && this.#isSeen(sight, known)) return false;
     this.#stand(sight, this.#find(sight, near));
     return true;
   }
@@ -82,7 +79,7 @@ export class Gripper {
   seen(sight: Sight | null): Grip | null {
     const foot = sight && this.#current(sight);
     if (!foot || isOutside(sight, foot.at)) return null;
-    const { model, cloth, column, camera } = sight;
+    const { model, cloth, camera } = sight;
     const [from, to] = this.#edge?.map((end) => placeOf(model, end)) ?? [];
     const left = from && to.sub(from).crossVectors(foot.normal, to).normalize();
     const unit = 1e-3 * camera.position.distanceTo(foot.at);
@@ -91,23 +88,15 @@ export class Gripper {
       const end = onCanvas(sight, foot.at.clone().addScaledVector(direction, unit));
       return [(end.x - at.x) / unit, (end.y - at.y) / unit];
     };
-    const { x, y, width, height } = column;
-    return {
-      ...at,
-      column: { x, y, width, height },
-      left: left && way(left),
-      cloth: left ? clothBeside(cloth, foot, left) : 0,
-      normal: way(foot.normal),
-      unit: unitOf(sight, foot.at),
-    };
+    const beside = left ? clothBeside(cloth, foot, left) : 0;
+    return { ...at, left: left && way(left), cloth: beside, normal: way(foot.normal), unit: unitOf(sight, foot.at) };
   }
 
   /** The foot as the mesh is now: of other faces the edge that is nearest to it. */
   #current(sight: Sight): Foot | null {
     const known = this.#foot;
     if (!known || this.#cloth === sight.cloth) return known && footOf(sight.cloth, known.ends);
-    const all = this.#ends(sight).map((ends) => footOf(sight.cloth, ends));
-    this.#stand(sight, least(all, ({ at }) => at.distanceTo(known.at)));
+    this.#stand(sight, least(this.#feet(sight), ({ at }) => at.distanceTo(known.at)));
     return this.#foot;
   }
 
@@ -120,56 +109,53 @@ export class Gripper {
   }
 
   #find(sight: Sight, near: Place | null): Foot | null {
-    const { column } = sight;
-    const middle = near ?? { x: column.x + column.width / 2, y: column.y + column.height / 2 };
-    const all = this.#ends(sight).flatMap((ends) => {
-      const foot = footOf(sight.cloth, ends);
-      const { x, y } = onCanvas(sight, foot.at);
-      return isAside(sight, foot) || isOutside(sight, foot.at) ? [] : [{ foot, x, y, far: Math.hypot(x - middle.x, y - middle.y) }];
-    });
-    all.sort((a, b) => a.far - b.far);
+    const { x, y, width, height } = sight.column;
+    const middle = near ?? { x: x + width / 2, y: y + height / 2 };
+    const open = this.#feet(sight).filter((foot) => isOpen(sight, foot));
+    const all = open.map((foot) => ({ foot, at: onCanvas(sight, foot.at) })).sort((a, b) => between(a.at, middle) - between(b.at, middle));
     const tried: Place[] = [];
-    for (const each of all) {
+    for (const { foot, at } of all) {
       if (tried.length >= TRIES) break;
-      if (tried.some(({ x, y }) => Math.hypot(x - each.x, y - each.y) < APART)) continue;
-      if (this.#isSeen(sight, each.foot)) return each.foot;
-      tried.push(each);
+      if (tried.some((other) => between(other, at) < APART)) continue;
+      if (this.#isSeen(sight, foot)) return foot;
+      tried.push(at);
     }
     return null;
   }
 
-  /** Edges of the mesh on the operator; of faces, their first edges. */
-  #ends({ model, cloth }: Sight): Ends[] {
+  /** At all edges of the mesh on the operator; of faces, at their first edges. */
+  #feet({ model, cloth }: Sight): Foot[] {
     const { edges = [], faces = [] } = this.#carrying.of(model, cloth, this.#elements ?? {});
     const { starts, corners } = cloth.faces;
-    return [...edges, ...faces.map((face): Ends => [corners[starts[face]], corners[starts[face] + 1]])];
+    const all = [...edges, ...faces.map((face): Ends => [corners[starts[face]], corners[starts[face] + 1]])];
+    return all.map((ends) => footOf(cloth, ends));
   }
 
-  #isSeen(sight: Sight, foot: Foot): boolean {
-    if (isAside(sight, foot) || isOutside(sight, foot.at)) return false;
+  /** Whether no other cloth is in front of it. */
+  #isSeen(sight: Sight, { ends, at }: Foot): boolean {
     const { cloth } = sight;
-    const spot = this.spotAt(onCanvas(sight, foot.at));
+    const spot = this.spotAt(onCanvas(sight, at));
     if (spot?.cloth !== cloth) return false;
-    const { starts, corners } = cloth.faces;
-    const near = (point: number) => placeOf(cloth, point).distanceTo(foot.at) * unitOf(sight, foot.at) < NEAR;
-    const isNear = (face: number) => hasEdge(cloth, face, foot.ends) || corners.subarray(starts[face], starts[face + 1]).some(near);
-    return this.picker.look(spot).around.slice(0, 4).some(isNear);
+    const near = (point: number) => placeOf(cloth, point).distanceTo(at) * unitOf(sight, at) < NEAR;
+    return this.picker.look(spot).around.slice(0, 4).some((face) => hasEdge(cloth, face, ends) || pointsOf(cloth, face).some(near));
   }
 }
 
 /** 1 where all cloth is on the left of a border, -1 where it is on the right, 0 inside. */
 function clothBeside(cloth: Cloth, { ends, at }: Foot, left: Vector3): -1 | 0 | 1 {
-  const { starts, corners } = cloth.faces;
   if (cloth.edges.uses[cloth.edges.find(...ends)] !== 1) return 0;
-  const face = starts.findIndex((_, face) => hasEdge(cloth, face, ends));
+  const face = cloth.faces.starts.findIndex((_, face) => hasEdge(cloth, face, ends));
   const middle = new Vector3();
-  for (const point of corners.subarray(starts[face], starts[face + 1])) middle.add(placeOf(cloth, point).sub(at));
+  for (const point of pointsOf(cloth, face)) middle.add(placeOf(cloth, point).sub(at));
   return middle.dot(left) > 0 ? 1 : -1;
 }
 
-function hasEdge({ faces: { starts, corners } }: Cloth, face: number, ends: Ends): boolean {
-  const own = corners.subarray(starts[face], starts[face + 1]);
-  return ends.every((end) => own.includes(end));
+function pointsOf({ faces: { starts, corners } }: Cloth, face: number): Uint32Array {
+  return corners.subarray(starts[face], starts[face + 1]);
+}
+
+function hasEdge(cloth: Cloth, face: number, ends: Ends): boolean {
+  return ends.every((end) => pointsOf(cloth, face).includes(end));
 }
 
 function least<T>(all: T[], cost: (each: T) => number): T | null {
@@ -178,21 +164,20 @@ function least<T>(all: T[], cost: (each: T) => number): T | null {
 }
 
 function footOf(cloth: Cloth, ends: Ends): Foot {
-  const [a, b] = ends;
-  const normalAt = (point: number) => new Vector3().fromArray(cloth.normals, 4 * point);
-  const normal = normalAt(a).add(normalAt(b)).multiplyScalar(cloth.handed).normalize();
-  return { ends, at: placeOf(cloth, a).lerp(placeOf(cloth, b), 0.5), normal };
+  const [a, b] = ends.map((point) => new Vector3().fromArray(cloth.normals, 4 * point));
+  const at = placeOf(cloth, ends[0]).lerp(placeOf(cloth, ends[1]), 0.5);
+  return { ends, at, normal: a.add(b).multiplyScalar(cloth.handed).normalize() };
 }
 
 /** One mesh unit across the line of sight. [CSS pixels] */
 function unitOf(sight: Sight, place: Vector3): number {
-  const { x, y } = onCanvas(sight, place);
-  const beside = onCanvas(sight, place.clone().add(new Vector3().setFromMatrixColumn(sight.camera.matrixWorld, 0)));
-  return Math.hypot(beside.x - x, beside.y - y);
+  const right = new Vector3().setFromMatrixColumn(sight.camera.matrixWorld, 0);
+  return between(onCanvas(sight, place), onCanvas(sight, right.add(place)));
 }
 
-function isAside({ camera }: Sight, { at, normal }: Foot): boolean {
-  return camera.position.clone().sub(at).normalize().dot(normal) < LEAST_FACING;
+/** Whether it is in view, from the front. */
+function isOpen(sight: Sight, { at, normal }: Foot): boolean {
+  return sight.camera.position.clone().sub(at).normalize().dot(normal) >= LEAST_FACING && !isOutside(sight, at);
 }
 
 function isOutside(sight: Sight, place: Vector3): boolean {
@@ -203,4 +188,8 @@ function isOutside(sight: Sight, place: Vector3): boolean {
 
 function onCanvas({ camera, column }: Sight, place: Vector3): Place {
   return toCanvas(place.clone().project(camera), column);
+}
+
+function between(a: Place, b: Place): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
 }
