@@ -1,7 +1,6 @@
 // Paints weights: for the density, for the folds, for what is smoothed, and pins. A stroke is an edit of one option.
 
 import type { Value } from "../server/options";
-import type { Elements } from "../server/protocol";
 import { fitting, valueAt } from "./recipe";
 import type { Store } from "./store";
 
@@ -60,7 +59,7 @@ export class Painter {
   set(changed: Partial<Pick<Brush, "radius" | "strength">>): void {
     const { brush } = this.store.state;
     if (brush) this.store.update({ brush: { ...brush, ...changed } });
-    this.#give();
+    this.renew();
   }
 
   /** Takes the weights that the option has now, unless the brush made them. */
@@ -76,19 +75,14 @@ export class Painter {
     if (text === "") return this.#take(new Float32Array(garment.points).fill(brush.key.endsWith(".weights") ? 1 : 0));
     const isPrimvar = fitting(garment.primvars, "weights").some(({ name }) => name === text);
     if (isPrimvar) this.store.show({ brush: { ...brush, primvar: text, isReady: false } });
-    else this.store.selector.find(text, (elements) => this.#begin(text, elements));
+    // Weights of a set begin as those that the engine gives it.
+    else this.store.selector.find(text, (elements) => text === this.#text && this.#take(this.store.view?.blended(elements) ?? null));
   }
 
   /** The values of a primvar may have come. */
   arrived(): void {
     const { primvar, isReady } = this.store.state.brush ?? {};
-    const weights = primvar && !isReady ? this.store.view?.weightsOf(primvar) : null;
-    if (weights) this.#take(weights);
-  }
-
-  /** Settings are others, such as whether both sides are painted. */
-  renew(): void {
-    if (this.store.state.brush) this.#give();
+    if (primvar && !isReady) this.#take(this.store.view?.weightsOf(primvar) ?? null);
   }
 
   /** A stroke has ended. */
@@ -102,23 +96,18 @@ export class Painter {
     const value: Value = brush.key === PINS ? [...pins, text] : text;
     this.#text = text;
     this.store.set(brush.key, value);
-    this.#give();
+    this.renew();
   }
 
-  /** Weights of a set begin as those that the engine gives it. */
-  #begin(text: string, elements: Elements | null): void {
-    const weights = text === this.#text ? this.store.view?.blended(elements) : null;
-    if (weights) this.#take(weights);
-  }
-
-  #take(weights: Float32Array): void {
+  #take(weights: Float32Array | null): void {
     this.#weights = weights;
     const { brush } = this.store.state;
-    if (brush) this.store.show({ brush: { ...brush, primvar: null, isReady: true } });
-    this.#give();
+    if (brush && weights) this.store.show({ brush: { ...brush, primvar: null, isReady: true } });
+    this.renew();
   }
 
-  #give(): void {
+  /** Gives the brush what it has, after a change of its own or of settings. */
+  renew(): void {
     const { brush, settings, garment } = this.store.state;
     if (!brush?.isReady || !this.#weights) return;
     const mirror = settings.symmetric ? (garment?.mirror?.points ?? null) : null;

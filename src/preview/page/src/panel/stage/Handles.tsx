@@ -153,7 +153,7 @@ function Knob({ full, field, way, unit, from, to: [x, y], reach }: KnobProps) {
         onPointerDown={press}
       />
       {place && (
-        <span class="knob-number" style={{ left: `${place[0] + 16}px`, top: `${place[1] - 12}px` }}>
+        <span class="hover-label knob-number" style={{ left: `${place[0] + 16}px`, top: `${place[1] - 12}px` }}>
           {labelOf(option)} {shown(now)} {number.unit}
         </span>
       )}
