@@ -61,12 +61,13 @@ test("a stroke paints the density: more triangles there, one step of undo each",
 });
 
 test("Alt takes away, Shift smooths, and both sides are painted at once", async (t) => {
-  const preview = await painting(t, { symmetric: true });
+  const preview = await painting(t, { symmetric: true, smooth: 1 });
   const total = async () => weights(await option(preview, "sim", "density")).reduce((sum, each) => sum + each, 0);
   const most = async () => Math.max(...weights(await option(preview, "sim", "density")));
   await preview.after("sim", () => stroke(preview));
   const painted = weights(await option(preview, "sim", "density"));
   const mirror = await preview.state(({ garment }) => garment.mirror.points);
+  assert.equal(painted.length, mirror.length, "the points of the cage, however it was shown before");
   assert.ok(painted.every((weight, point) => weight === painted[mirror[point]]));
   const [sum, peak] = [await total(), await most()];
   await preview.page.keyboard.down("Shift");

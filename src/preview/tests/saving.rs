@@ -75,7 +75,7 @@ fn painted_weights_are_primvars_of_a_layer() {
     for step in [3, 4] {
         let text = saved(json!({
             "sim": {"density": painted(step)},
-            "cloth": {"pins": ["neckband", painted(2)]},
+            "cloth": {"pins": ["neckband_edge", painted(2)]},
             "fold": {"neck": {"faces": ["neckband"], "weights": painted(5)}},
         }));
         for name in ["sim_density", "cloth_pins", "fold_neck_weights"] {
@@ -83,8 +83,7 @@ fn painted_weights_are_primvars_of_a_layer() {
         }
         // Named as a recipe of the garment below, the layer gives the weights themselves.
         let recipe = Input { recipe: Some(file.clone()), ..input(&garment) };
-        let given = recipe.open_one().expect("a good layer").given.into_map();
-        assert_eq!(given, hub.snapshot().state.edits);
+        assert_eq!(Stage::open(&recipe).expect("a good layer").given, hub.snapshot().state.edits);
     }
     assert!(!saved(json!({"sim": {"iterations": 2}})).contains("painted_"), "weights that are no longer used go");
 }

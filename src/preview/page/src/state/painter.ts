@@ -1,6 +1,7 @@
 // Paints weights: for the density, for the folds, for what is smoothed, and pins. A stroke is an edit of one option.
 
 import type { Value } from "../server/options";
+import { keysWith } from "./cards";
 import { fitting, valueAt } from "./recipe";
 import type { Store } from "./store";
 
@@ -79,8 +80,10 @@ export class Painter {
     else this.store.selector.find(text, (elements) => text === this.#text && this.#take(this.store.view?.blended(elements) ?? null));
   }
 
-  /** The values of a primvar may have come. */
-  arrived(): void {
+  /** A frame of the model has come: with other faces, or with the values of a primvar. */
+  arrived(isNew: boolean): void {
+    if (isNew) this.#text = null;
+    this.follow();
     const { primvar, isReady } = this.store.state.brush ?? {};
     if (primvar && !isReady) this.#take(this.store.view?.weightsOf(primvar) ?? null);
   }
@@ -95,7 +98,7 @@ export class Painter {
     const pins = (Array.isArray(others) ? others : []).filter((each) => each !== this.#text);
     const value: Value = brush.key === PINS ? [...pins, text] : text;
     this.#text = text;
-    this.store.set(brush.key, value);
+    this.store.setAll(keysWith(this.store.state, brush.key).map((key) => ({ key, value })));
     this.renew();
   }
 
@@ -103,7 +106,6 @@ export class Painter {
     this.#weights = weights;
     const { brush } = this.store.state;
     if (brush && weights) this.store.show({ brush: { ...brush, primvar: null, isReady: true } });
-    this.renew();
   }
 
   /** Gives the brush what it has, after a change of its own or of settings. */

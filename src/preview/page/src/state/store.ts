@@ -435,7 +435,7 @@ export class Store {
     // A quality figure is of one mesh, so that the others have no values.
     if (values) this.update({ heat: values });
     this.view?.update(frame);
-    if (role === "model") this.painter.arrived();
+    if (role === "model") this.painter.arrived(replaces);
     this.stopwatch.replaced(frame);
   }
 }

@@ -14,7 +14,7 @@ export function PaintBar() {
   const garment = useSelect((state) => state.garment);
   useSelect(({ document }) => document.stack);
   if (!brush || !garment) return null;
-  const { key, radius, strength, isReady } = brush;
+  const { key, radius, strength } = brush;
   const { word, size } = lengthUnit(garment);
   const [least, most] = RADII.map((edges) => (edges * garment.meanEdge) / size);
   const step = least / 20;
@@ -27,7 +27,7 @@ export function PaintBar() {
       <span>Strength</span>
       <Slider label="Strength" value={strength} range={{ least: 0, most: 1, step: 0.01, fine: 0.001 }} change={(strength) => store.painter.set({ strength })} />
       <Button class="is-small" hint="The garment's own value again" act={() => store.reset(key)}>Reset</Button>
-      <IconButton label="End painting" icon="close" hint="End painting (P, Esc)" class="is-small" disabled={!isReady} act={() => store.painter.end()} />
+      <IconButton label="End painting" icon="close" hint="End painting (P, Esc)" class="is-small" act={() => store.painter.end()} />
     </div>
   );
 }
