@@ -13,13 +13,16 @@ use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use tailor::sets::painted_weights;
 use tailor_costume::fit::BodyOptions;
 use tailor_costume::recipe::{Domain, Recipe, all, find, group_with_instances, is_attribute, is_recipe, map_files};
 use tailor_mesh::error::{Error, ErrorKind, plain};
 use tailor_mesh::files::{self, folder_of};
+use tailor_mesh::garment::Garment;
 use tailor_usd::session::Input;
 use tailor_usd::{
-    EarlierRecipe, OptionValue, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside, write_recipe,
+    EarlierRecipe, OptionValue, PAINTED, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside,
+    write_recipe,
 };
 
 /// The content of a save.
@@ -103,7 +106,8 @@ impl Content {
             return self.write_recipe_file(file, overwrite);
         }
         self.refuse_sewn(file)?;
-        let replaced = EarlierRecipe { is_option: is_attribute, is_schema };
+        let is_option = |name: &str| is_attribute(name) || name.starts_with(&format!("primvars:{PAINTED}"));
+        let replaced = EarlierRecipe { is_option, is_schema };
         write_recipe(&self.stage.source, &self.opinions(file), file, overwrite, &replaced, |written| {
             self.verify(written)
         })
@@ -178,12 +182,14 @@ impl Content {
                 .code(tailor_usd::codes::NOT_WRITTEN_BACK)
                 .remedy("save to a new file")
         };
-        if opened.mesh != self.stage.mesh {
+        let [read, shown] = [&opened.mesh, &self.stage.mesh].map(without_painted);
+        if read != shown {
             return Err(fault("the file would give another garment than the one on screen"));
         }
         let saved = opened.layers().recipe_for(self.stage.checks.garment())?;
         // Paths are written relative to the file. The garment is fitted by the same bodies, or it would be another one.
-        let asked = self.stage.recipe(&self.edits)?;
+        let edits = if is_recipe(written) { self.edits.clone() } else { with_primvars(&self.edits).0 };
+        let asked = self.stage.recipe(&edits)?;
         let BodyOptions { from, to, .. } = saved.fit.clone();
         if saved != (Recipe { fit: BodyOptions { from, to, ..asked.fit.clone() }, ..asked }) {
             return Err(fault("other layers of the file would change the recipe"));
@@ -194,7 +200,10 @@ impl Content {
     fn opinions(&self, file: &Path) -> RecipeOpinions {
         let is_subset = |name: &str| self.stage.checks.garment().subset(name).is_some();
         let mut opinions = RecipeOpinions { variants: self.read.variants.clone(), ..RecipeOpinions::default() };
-        for (space, fields) in &self.edits_beside(file) {
+        let (edits, painted) = with_primvars(&self.edits_beside(file));
+        let primvar = |(name, weights)| (format!("primvars:{name}"), OptionValue::Weights(weights));
+        opinions.properties.extend(painted.into_iter().map(primvar));
+        for (space, fields) in &edits {
             let Value::Object(fields) = fields else { continue };
             let groups = match group_with_instances(space) {
                 None => vec![(None, fields)],
@@ -213,6 +222,39 @@ impl Content {
         }
         opinions
     }
+}
+
+/// Edits with the names of primvars in place of painted weights, and these primvars.
+fn with_primvars(edits: &Options) -> (Options, Vec<(String, Vec<f32>)>) {
+    let mut found = Vec::new();
+    let named = |(key, value): (&String, &Value)| (key.clone(), named(value, &format!("{PAINTED}{key}"), &mut found));
+    (edits.iter().map(named).collect(), found)
+}
+
+/// A value with `name` in place of painted weights, which are moved to `found`.
+fn named(value: &Value, name: &str, found: &mut Vec<(String, Vec<f32>)>) -> Value {
+    match value {
+        Value::Object(fields) => {
+            let below = |(key, value): (&String, &Value)| (key.clone(), named(value, &format!("{name}_{key}"), found));
+            Value::Object(fields.iter().map(below).collect())
+        }
+        Value::Array(all) => all.iter().map(|value| named(value, name, found)).collect(),
+        _ => value.as_str().and_then(painted_weights).map_or_else(
+            || value.clone(),
+            |weights| {
+                let name = name.replace(':', "_");
+                found.push((name.clone(), weights));
+                Value::String(name)
+            },
+        ),
+    }
+}
+
+/// A garment without the weights that a recipe paints.
+fn without_painted(garment: &Garment) -> Garment {
+    let mut garment = garment.clone();
+    garment.primvars.retain(|primvar| !primvar.name.starts_with(PAINTED));
+    garment
 }
 
 /// True for a text layer with lines of comment.

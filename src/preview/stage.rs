@@ -291,7 +291,8 @@ fn mirror(garment: &Mesh) -> Option<Box<MirrorInfo>> {
     let sets = SetEvaluator::new(garment, "");
     let twins = sets.twins(&garment.subsets);
     let found = sets.symmetry()?;
-    Some(Box::new(MirrorInfo { axis: found.axis_name(), share: found.share, twins }))
+    let points = garment.points.ids().map(|point| found.vertex(point).unwrap_or(point).index()).collect();
+    Some(Box::new(MirrorInfo { axis: found.axis_name(), share: found.share, twins, points }))
 }
 
 fn suggested(source: &Source, input: &Input) -> SaveTargets {

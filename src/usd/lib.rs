@@ -37,7 +37,7 @@ pub use write::{
     write, write_all, write_bodies, write_fitted, write_sets, write_whole,
 };
 pub use write::{
-    EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside,
+    EarlierRecipe, OptionValue, PAINTED, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside,
     temporary_folder, write_recipe,
 };
 

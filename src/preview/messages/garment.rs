@@ -68,6 +68,8 @@ pub struct MirrorInfo {
     pub share: f64,
     /// The set on the other side of each set, by name; a set that lies on both sides has its own name.
     pub twins: BTreeMap<String, String>,
+    /// The point on the other side of each point; itself where it has none.
+    pub points: Vec<usize>,
 }
 
 /// A set of elements of the garment.

@@ -56,6 +56,39 @@ fn a_new_file_of_each_format_gives_the_recipe_on_screen() {
 }
 
 #[test]
+fn painted_weights_are_primvars_of_a_layer() {
+    let folder = TempDir::new().expect("a folder");
+    let (garment, file) = (example("tshirt.usda"), folder.path().join("look.usda"));
+    let hub = idle(&garment);
+    let mesh = Arc::clone(hub.snapshot().stage.checks.garment());
+    let painted = |step: usize| {
+        let weights: Vec<f32> = (0..mesh.points.len()).map(|point| (point % step) as f32 / step as f32).collect();
+        tailor::sets::painted_expression(&mesh.faces, &weights)
+    };
+    let path = file.display().to_string();
+    let saved = |edits: serde_json::Value| {
+        hub.edit(|document| document.edit(options(&edits), String::new()));
+        let answer = save(&hub, &path, true);
+        assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
+        fs::read_to_string(&file).expect("the file")
+    };
+    for step in [3, 4] {
+        let text = saved(json!({
+            "sim": {"density": painted(step)},
+            "cloth": {"pins": ["neckband_edge", painted(2)]},
+            "fold": {"neck": {"faces": ["neckband"], "weights": painted(5)}},
+        }));
+        for name in ["sim_density", "cloth_pins", "fold_neck_weights"] {
+            assert_eq!(text.matches(&format!("float[] primvars:painted_{name} = ")).count(), 1, "{text}");
+        }
+        // Named as a recipe of the garment below, the layer gives the weights themselves.
+        let recipe = Input { recipe: Some(file.clone()), ..input(&garment) };
+        assert_eq!(Stage::open(&recipe, None).expect("a good layer").given, hub.snapshot().state.edits);
+    }
+    assert!(!saved(json!({"sim": {"iterations": 2}})).contains("painted_"), "weights that are no longer used go");
+}
+
+#[test]
 fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     let folder = TempDir::new().expect("a folder");
     let file = folder.path().join("look.usda");

@@ -19,7 +19,7 @@ mod weights;
 pub use evaluate::Function;
 pub use expression::{quoted, split_list};
 pub use functions::FUNCTIONS;
-pub use functions::checksum;
+pub use functions::{checksum, painted_expression, painted_weights};
 pub use list::ListedSet;
 pub use select::Change;
 pub use symmetry::Symmetry;

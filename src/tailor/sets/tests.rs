@@ -241,6 +241,26 @@ fn picked_elements_are_of_one_mesh_alone() {
 }
 
 #[test]
+fn painted_weights_are_those_of_their_text() {
+    let garment = garment();
+    let weights: Vec<f32> = (0..garment.points.len()).map(|point| (point % 6) as f32 / 5.0).collect();
+    let text = painted_expression(&garment.faces, &weights);
+    let elements = SetEvaluator::new(&garment, "st").evaluate(&text).expect("painted weights").elements;
+    let above = weights.iter().filter(|weight| **weight > 0.0).count();
+    assert_eq!((elements.kind(), elements.len()), ("point", above));
+    let set = Subset { name: text.clone(), family: String::new(), elements, sharpness: None };
+    assert_eq!(weights_of(&garment, &set).values, tailor_mesh::garment::Values::F32(weights));
+    for (text, fault) in [
+        (text.replace(&checksum(&garment.faces), "00000000"), "picked on other faces"),
+        (text.replace("33", ""), "two hexadecimal digits"),
+        (text.replace("33", "xy"), "two hexadecimal digits"),
+    ] {
+        let found = SetEvaluator::new(&garment, "st").evaluate(&text).expect_err("a fault").text;
+        assert!(found.contains(fault), "{found}");
+    }
+}
+
+#[test]
 fn the_documents_have_every_function() {
     let page = include_str!("../../../docs/sets.md");
     for Function { usage, gives, meaning, .. } in FUNCTIONS {

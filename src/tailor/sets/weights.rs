@@ -1,5 +1,6 @@
 //! Weights at vertices: painted ones, and those of sets.
 
+use super::functions::painted_weights;
 use std::borrow::Cow;
 use tailor_mesh::connectivity::VertexId;
 use tailor_mesh::garment::{Elements, Interpolation, Mesh, Primvar, Subset};
@@ -13,8 +14,14 @@ pub fn weights_named<'a>(garment: &'a Mesh, name: &str) -> Option<Cow<'a, Primva
     garment.primvar(name).map(Cow::Borrowed).or_else(of_set)
 }
 
-/// The weights of a set: 1 at the points of its elements, and less on each ring around them.
+/// The weights of a set: those that it is painted with, or else 1 at the points of its elements, and less on each ring around them.
 pub fn weights_of(garment: &Mesh, set: &Subset) -> Primvar {
+    let painted = painted_weights(&set.name).filter(|weights| weights.len() == garment.points.len());
+    let weights = painted.unwrap_or_else(|| blended(garment, set));
+    Primvar { name: set.name.clone(), interpolation: Interpolation::Vertex, ..Primvar::of_corners(weights, None) }
+}
+
+fn blended(garment: &Mesh, set: &Subset) -> Vec<f32> {
     let faces = &garment.faces;
     let mut weights = vec![0.0; garment.points.len()];
     let mut rim: Vec<VertexId> = match &set.elements {
@@ -29,5 +36,5 @@ pub fn weights_of(garment: &Mesh, set: &Subset) -> Primvar {
         let halves = faces.corners().ids().map(|corner| faces.half_edge(corner));
         rim = halves.flat_map(|[a, b]| [[a, b], [b, a]]).filter(is_outer).map(|[_, outer]| outer).collect();
     }
-    Primvar { name: set.name.clone(), interpolation: Interpolation::Vertex, ..Primvar::of_corners(weights, None) }
+    weights
 }

@@ -1,13 +1,14 @@
 //! A garment on disk with the recipes that are given for it, for the command and the preview.
 
 use super::fitted::{FitWay, follow_body};
-use crate::{ReadOptions, Selection, Source, variants_of};
+use crate::{PAINTED, ReadOptions, Selection, Source, variants_of};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
+use tailor::sets::painted_expression;
 use tailor_costume::pipeline::Builder;
 use tailor_costume::recipe::{Layers, Recipe, RecipeFile, is_recipe};
 use tailor_mesh::error::{Error, Warnings};
-use tailor_mesh::garment::Garment;
+use tailor_mesh::garment::{Garment, Values};
 
 /// A garment and the options for it.
 #[derive(Clone, Debug, Default)]
@@ -147,14 +148,35 @@ struct Recipes {
     files: Vec<RecipeFile>,
 }
 
-/// The options on the prim of a stage.
+/// The options on the prim of a stage. Weights that [`PAINTED`] names are in the options themselves, as the garment below lacks them.
 fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Error> {
     if source.is_sewn() {
         let fault = format!("{} has options of single meshes, and panels are sewn together", layer.display());
         return Err(Error::recipe("--recipe", fault)
             .remedy("give the options in a .tailor file, or build over the layer, which has the meshes"));
     }
-    Source::open(layer, &ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() })?.recipe()
+    let layer = Source::open(layer, &ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() })?;
+    let mut options = Value::Object(layer.recipe()?);
+    let mut garment = layer.garment()?.0;
+    garment.primvars.retain(|primvar| primvar.name.starts_with(PAINTED));
+    if !garment.primvars.is_empty() {
+        let builder = Builder::new(garment)?;
+        for primvar in &*builder.garment().primvars {
+            let Values::F32(weights) = &primvar.values else { continue };
+            replace(&mut options, &primvar.name, &painted_expression(&builder.garment().faces, weights));
+        }
+    }
+    Ok(options.as_object().cloned().unwrap_or_default())
+}
+
+/// Replaces a name in all texts of a value.
+fn replace(value: &mut Value, name: &str, by: &str) {
+    match value {
+        Value::String(text) => *text = text.replace(name, by),
+        Value::Array(all) => all.iter_mut().for_each(|value| replace(value, name, by)),
+        Value::Object(fields) => fields.values_mut().for_each(|value| replace(value, name, by)),
+        _ => {}
+    }
 }
 
 /// True if the file is USD by its name.

@@ -231,11 +231,11 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
     let own = vectors(prim, points_name(prim)?, None)?;
     // What is driven is drawn at its own points before the first frame.
-    let mut all = [&pose, &own].into_iter().flatten();
-    match all.find_map(|points| points.iter().position(|point| !point.is_finite())) {
-        Some(at) => Err(unbound(format!("point {at} of {} is not finite", prim.path()))),
-        None => pose.or(own).ok_or_else(|| missing(prim, "points without a time")),
+    let fault = |points: &Vec<Vec3>| points.iter().position(|point| !point.is_finite());
+    if let Some(at) = [&pose, &own].into_iter().flatten().find_map(fault) {
+        return Err(unbound(format!("point {at} of {} is not finite", prim.path())));
     }
+    pose.or(own).ok_or_else(|| missing(prim, "points without a time"))
 }
 
 fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {

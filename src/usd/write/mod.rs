@@ -24,7 +24,9 @@ pub use layer::{
 };
 pub use physics::pose_points;
 pub use product::extent;
-pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
+pub use recipe::{
+    EarlierRecipe, OptionValue, PAINTED, RecipeOpinions, garment_below, recipe_text, selections, write_recipe,
+};
 pub use role::{GarmentProducts, Product, ProductRole, SetChoice};
 pub use save::{
     Format, HeldOutput, OutputFile, OutputLock, PREFIX, Unfinished, Unnamed, remove_unfinished, temporary_beside,

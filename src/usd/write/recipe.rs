@@ -18,6 +18,9 @@ use tailor_mesh::error::Error;
 /// Key in `customLayerData` by which layers of this program are known.
 const RECIPE: &str = "recipe";
 
+/// How names of primvars begin that hold the painted weights of a recipe.
+pub const PAINTED: &str = "painted_";
+
 /// The value of an option as a property.
 #[derive(Clone, Debug, PartialEq)]
 pub enum OptionValue {
@@ -37,6 +40,8 @@ pub enum OptionValue {
     Asset(String),
     /// A relationship to subsets of the model.
     Subsets(Vec<String>),
+    /// `float[]`, a value for each point.
+    Weights(Vec<f32>),
 }
 
 /// Opinions on the model.
@@ -302,7 +307,10 @@ fn author(data: &mut Data, model: &Model, opinions: &RecipeOpinions) -> openusd:
 
 fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) -> openusd::Result<()> {
     let path = prim.append_property(name)?;
+    let are_weights = matches!(value, OptionValue::Weights(_));
+    let variability = if are_weights { Variability::Varying } else { Variability::Uniform };
     let (type_name, value) = match value {
+        OptionValue::Weights(v) => (ValueTypeName::FLOAT_ARRAY, Value::FloatVec(v.clone())),
         OptionValue::Bool(v) => (ValueTypeName::BOOL, Value::Bool(*v)),
         OptionValue::Float(v) => (ValueTypeName::FLOAT, Value::Float(*v)),
         OptionValue::Int(v) => (ValueTypeName::INT, Value::Int(*v)),
@@ -321,7 +329,10 @@ fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) 
             return Ok(());
         }
     };
-    sdf::AttributeSpec::new(data, &path, type_name, Variability::Uniform, false)?;
+    sdf::AttributeSpec::new(data, &path, type_name, variability, false)?;
+    if are_weights {
+        AbstractData::set_field(data, &path, names::INTERPOLATION, Value::Token(Token::from("vertex")));
+    }
     AbstractData::set_field(data, &path, FieldKey::Default.as_str(), value);
     Ok(())
 }

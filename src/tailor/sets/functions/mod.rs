@@ -7,7 +7,7 @@ mod paths;
 pub mod picked;
 pub mod points;
 
-pub use picked::checksum;
+pub use picked::{checksum, painted_expression, painted_weights};
 
 use super::evaluate::Function;
 
@@ -76,4 +76,6 @@ functions! {
         "Edges by the numbers of their points, such as \"4-5-6, 9-8\", of the mesh with this checksum; the preview writes them";
     "pickedFaces(checksum, numbers)" pickedFaces [2, 2] => faces by picked::faces:
         "Faces by their numbers, such as \"4-6, 9\", of the mesh with this checksum; the preview writes them";
+    "painted(checksum, weights)" painted [2, 2] => points by picked::painted:
+        "Points by their weights, two hexadecimal digits each, of the mesh with this checksum: those above 0; options that take weights have them. The preview writes them";
 }

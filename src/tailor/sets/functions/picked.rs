@@ -76,15 +76,11 @@ fn along_chains(t: &Topology, edges: &BTreeMap<EdgeId, [VertexId; 2]>) -> BTreeM
 /// Edges as runs of points, each edge in its direction.
 fn edge_runs(t: &Topology, edges: &BTreeMap<EdgeId, [VertexId; 2]>) -> Vec<String> {
     let at = edges_at(t, edges.keys());
-    let before = |edge: EdgeId| match at[&edges[&edge][0]][..] {
-        [a, b] => Some(if a == edge { b } else { a }).filter(|other| edges[other][1] == edges[&edge][0]),
+    let go_on = |edge: EdgeId, end: usize| match at[&edges[&edge][end]][..] {
+        [a, b] => Some(if a == edge { b } else { a }).filter(|other| edges[other][1 - end] == edges[&edge][end]),
         _ => None,
     };
-    let after = |edge: EdgeId| match at[&edges[&edge][1]][..] {
-        [a, b] => Some(if a == edge { b } else { a }).filter(|other| edges[other][0] == edges[&edge][1]),
-        _ => None,
-    };
-    let starts = edges.keys().copied().filter(|&edge| before(edge).is_none());
+    let starts = edges.keys().copied().filter(|&edge| go_on(edge, 0).is_none());
     let mut is_written = BTreeSet::new();
     let mut runs = Vec::new();
     // Edges that are left when all starts are written are in closed loops.
@@ -93,7 +89,7 @@ fn edge_runs(t: &Topology, edges: &BTreeMap<EdgeId, [VertexId; 2]>) -> Vec<Strin
         let mut run: Vec<String> = next.iter().map(|edge| edges[edge][0].index().to_string()).collect();
         while let Some(edge) = next.filter(|&edge| is_written.insert(edge)) {
             run.push(edges[&edge][1].index().to_string());
-            next = after(edge);
+            next = go_on(edge, 1);
         }
         runs.extend((!run.is_empty()).then(|| run.join("-")));
     }
@@ -127,8 +123,34 @@ pub fn faces(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     Ok(ElementSet::Faces(found))
 }
 
-/// The runs of numbers of a pick, if it is of the mesh as it is.
-fn runs(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Result<Vec<Vec<usize>>, SetFault> {
+pub fn painted(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let count = of.sets.topology.vertex_count();
+    let fault =
+        || SetFault::new("the painted weights are not two hexadecimal digits for each point", "paint them again");
+    let weights = weights(numbers(of, arguments)?).filter(|weights| weights.len() == count).ok_or_else(fault)?;
+    Ok(ElementSet::Points((0..count).filter(|&point| weights[point] > 0.0).map(VertexId::new).collect()))
+}
+
+/// Weights of two hexadecimal digits each, `ff` for 1.
+fn weights(text: &str) -> Option<Vec<f32>> {
+    let byte = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).ok()?, 16).ok();
+    text.as_bytes().chunks(2).map(|pair| Some(f32::from(byte(pair)?) / 255.0)).collect()
+}
+
+/// The weights of the points, if the expression is `painted` alone.
+pub fn painted_weights(expression: &str) -> Option<Vec<f32>> {
+    let ["painted(", _, ", ", text, ")"] = expression.split('"').collect::<Vec<_>>()[..] else { return None };
+    weights(text)
+}
+
+/// The expression of painted weights of the points of a mesh.
+pub fn painted_expression(faces: &Faces, weights: &[f32]) -> String {
+    let digits: String = weights.iter().map(|weight| format!("{:02x}", (255.0 * weight).round() as u8)).collect();
+    format!("painted(\"{}\", \"{digits}\")", checksum(faces))
+}
+
+/// The numbers of a pick, if it is of the mesh as it is.
+fn numbers<'a>(of: &Evaluation<'_>, arguments: &'a Arguments<'_>) -> Result<&'a str, SetFault> {
     let (picked, own) = (arguments.name(0)?, checksum(&of.sets.topology.faces));
     if picked != own {
         let prim = &of.sets.garment.prim;
@@ -136,7 +158,12 @@ fn runs(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Result<Vec<Vec<usize>
             format!("the elements were picked on other faces than those of {prim}: checksum {picked}, now {own}");
         return Err(SetFault::new(text, "pick them again, or name a set that both meshes have, such as borders.1"));
     }
-    let text = arguments.name(1)?;
+    arguments.name(1)
+}
+
+/// The runs of numbers of a pick.
+fn runs(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Result<Vec<Vec<usize>>, SetFault> {
+    let text = numbers(of, arguments)?;
     let run = |run: &str| run.split('-').map(|number| number.trim().parse().ok()).collect::<Option<Vec<usize>>>();
     let runs = text.split(',').filter(|run| !run.trim().is_empty()).map(run).collect::<Option<Vec<_>>>();
     runs.ok_or_else(|| {

@@ -1,7 +1,7 @@
 // Finer here: selected faces join the set whose triangles are smaller, or leave it.
 
 import { fitting, valueAt } from "./recipe";
-import type { Selection } from "./selection";
+import { shortName, type Selection } from "./selection";
 import type { State } from "./state";
 import type { Store } from "./store";
 
@@ -10,7 +10,7 @@ const DENSITY = "sim.density";
 /** The density: a set, or painted weights, with which no set can be combined. */
 export function densityOf({ document, garment }: State): { name: string; isPainted: boolean } {
   const name = String(valueAt(document.merged, DENSITY) ?? "");
-  return { name, isPainted: fitting(garment?.primvars ?? [], "weights").some((primvar) => primvar.name === name) };
+  return { name, isPainted: name.startsWith("painted(") || fitting(garment?.primvars ?? [], "weights").some((primvar) => primvar.name === name) };
 }
 
 /** Gives the selected faces smaller triangles, or again those of their surroundings. */
@@ -30,4 +30,4 @@ export function setFiner(store: Store, finer: boolean): void {
   });
 }
 
-export const paintedHint = (name: string) => `The density is painted (${name}): choose none for it in the panel first`;
+export const paintedHint = (name: string) => `The density is painted (${shortName(name)}): choose none for it in the panel first`;

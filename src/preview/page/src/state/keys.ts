@@ -42,6 +42,7 @@ export const KEYS: [string, string][] = [
   ["+ −", "Select one row of faces more or less around the selection"],
   ["N", "New seam along the selected edges, new fold of the selected faces"],
   ["D", "Smaller triangles on the selected faces; with Shift again larger ones"],
+  ["P", "Paint the density, the thickness of folds, pins; drag, with Alt take away, with Shift smooth; [ and ] change the radius"],
   ["E", "Type the selection as an expression"],
   ["Esc", "End a mark, show all panels, end the selection, close what is open"],
   ["?", "This list"],
@@ -93,7 +94,10 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "i") store.toggleIsolated();
   if (key === "x" && !event.repeat) store.toggleSplit();
   if (key === "w") store.settings({ wires: !settings.wires });
-  if (key === "[" || key === "]") store.visit((store.state.place?.at ?? 0) + (key === "]" ? 1 : -1));
+  if (key === "p") store.painter.toggle();
+  const { brush } = store.state;
+  if (brush && (key === "[" || key === "]")) store.painter.set({ radius: brush.radius * (key === "]" ? 1.25 : 0.8) });
+  else if (key === "[" || key === "]") store.visit((store.state.place?.at ?? 0) + (key === "]" ? 1 : -1));
   if (key === "y" && store.state.garment?.mirror) store.settings({ symmetric: !settings.symmetric });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
@@ -123,7 +127,8 @@ function select(store: Store, key: string): void {
 }
 
 function escape(store: Store): void {
-  if (store.state.clicked) store.update({ clicked: null });
+  if (store.state.brush) store.painter.end();
+  else if (store.state.clicked) store.update({ clicked: null });
   else if (store.state.marked) store.mark(null);
   else if (store.state.isolated) store.isolate(null);
   else if (store.state.split !== null) store.split(null);

@@ -20,7 +20,7 @@ type Change = Extract<PageMessage, { type: "select" }>["change"];
 interface Request {
   change: Change;
   set: string;
-  of?: { set: string; make(expression: string): void };
+  of?: { set: string; make(expression: string, elements: Elements | null): void; isQuiet?: boolean };
 }
 
 /** A change, given the selection before it; null for none. */
@@ -123,6 +123,12 @@ export class Selector {
     });
   }
 
+  /** Finds the elements of a set; null if it has none. */
+  find(expression: string, found: (elements: Elements | null) => void): void {
+    const of = { set: "", make: (_: string, elements: Elements | null) => found(elements), isQuiet: true };
+    this.#add(() => ({ change: "replace", set: expression, of }));
+  }
+
   /** Adds a row of faces around the selection, or takes one away. */
   grow(by: 1 | -1): void {
     this.#add((before) => {
@@ -207,8 +213,8 @@ export class Selector {
   answer({ expression, elements, size, isClosed, fault }: SelectionMessage): void {
     const asked = this.#asked;
     this.#asked = null;
-    if (fault) this.refuse(`${fault.text}; ${fault.remedy}`);
-    else if (asked?.of) asked.of.make(elements ? expression : "");
+    if (asked?.of && (!fault || asked.of.isQuiet)) asked.of.make(elements ? expression : "", elements);
+    else if (fault) this.refuse(`${fault.text}; ${fault.remedy}`);
     else if (!elements && asked?.change !== "remove") this.refuse("The set has no elements");
     else if (!elements) this.#step(null);
     else this.#step({ expression, ...countOf(elements), elements, size, isClosed });
@@ -267,7 +273,7 @@ export function shortName(expression: string): string {
     const count = countIn(kind, numbers);
     return `${count} picked ${count === 1 ? kind.slice(0, -1).toLowerCase() : kind.toLowerCase()}`;
   };
-  return expression.replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
+  return expression.replace(/painted\("[^"]*", "[^"]*"\)/g, "painted").replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
 }
 
 function countIn(kind: string, numbers: string): number {

@@ -5,8 +5,9 @@ import type { BodiesMessage, BuildMessage, ClothMessage, DrawnValues, Fault, Fit
 import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
+import type { Brush } from "./painter";
 import type { Selection } from "./selection";
-import type { Outline, Picked, Plan } from "../view/api";
+import type { Grip, Outline, Picked, Plan } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import { ROLES } from "../view/layout";
 import type { Timing } from "./stopwatch";
@@ -50,6 +51,10 @@ export interface State {
   selection: Selection | null;
   /** What is written on the flat panels. */
   plan: Plan;
+  /** What is painted; null for nothing. */
+  brush: Brush | null;
+  /** Where the handles of an operator are. */
+  grip: Grip | null;
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
   marked: Finding | null;
@@ -125,6 +130,8 @@ export function initialState(): State {
     clicked: null,
     selection: null,
     plan: [],
+    brush: null,
+    grip: null,
     isSelecting: false,
     marked: null,
     place: null,
@@ -146,6 +153,13 @@ export function initialState(): State {
     info: "",
     viewFault: null,
   };
+}
+
+/** The settings, or those for painting: the cage of the model as heat. */
+export function shownOf({ settings, brush }: Pick<State, "settings" | "brush">): Settings {
+  if (!brush) return settings;
+  const roles = ROLES.filter((role) => role === "model" || settings.roles.includes(role));
+  return { ...settings, roles, layout: "large", large: "model", flat: false, shading: "values", smooth: 0, values: brush.primvar };
 }
 
 /** Warnings of the garment, of its place on the way of the fit, of its products and of its cloth, the worst first. */

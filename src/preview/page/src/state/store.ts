@@ -6,9 +6,10 @@ import { EditQueue } from "./editQueue";
 import { Gestures } from "./gesture";
 import { onSystemTheme, paintedChoices, QUALITIES, saveSettings, viewOptions } from "./settings";
 import type { Settings } from "./settings";
-import { initialState, type State, type Toast } from "./state";
+import { initialState, shownOf, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
 import { Player } from "./player";
+import { Painter } from "./painter";
 import { Way } from "./way";
 import { Stopwatch } from "./stopwatch";
 import type { MeshFrame } from "../server/frame";
@@ -37,6 +38,7 @@ export class Store {
   readonly gestures = new Gestures();
   readonly player = new Player(this);
   readonly way = new Way(this);
+  readonly painter = new Painter(this);
   readonly stopwatch = new Stopwatch();
   readonly #listeners = new Set<() => void>();
   readonly #queue = new EditQueue((message) => this.send(message));
@@ -79,7 +81,9 @@ export class Store {
       this.view = createView(canvas, viewOptions(this.state.settings), {
         hover: (hovered, outlines) => this.#hover(hovered, outlines),
         click: (clicked, how) => this.#click(clicked, how),
+        painted: (weights) => this.painter.painted(weights),
         plan: (plan) => this.#plan(plan),
+        grip: (grip) => JSON.stringify(grip) !== JSON.stringify(this.state.grip) && this.update({ grip }),
         final: (isFinal) => isFinal !== this.state.isFinal && this.update({ isFinal }),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });
@@ -157,8 +161,15 @@ export class Store {
     this.update({ settings, ...(settings.shading === "values" ? {} : { heat: null }) });
     const dropped = [...this.#held].filter((role) => !isHeld(role, settings));
     for (const role of dropped) this.#drop(role);
-    this.view?.setOptions(viewOptions(settings));
+    this.view?.setOptions(viewOptions(shownOf(this.state)));
     this.#ask();
+    this.painter.renew();
+  }
+
+  /** Changes what is painted, which the meshes show. */
+  show(change: Pick<State, "brush">): void {
+    this.update(change);
+    this.#show({});
   }
 
   /** Asks for what is shown, unless the server was asked for it already. */
@@ -184,7 +195,7 @@ export class Store {
 
   /** The model is always needed, for marks and picking. */
   #wanted(): PageMessage {
-    const { settings } = this.state;
+    const settings = shownOf(this.state);
     const { smooth, shading, fabric, flat, values } = settings;
     const { image, relief, colour, weave } = fabric;
     const hasImages = colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);
@@ -384,6 +395,7 @@ export class Store {
     const { edits, merged, stack } = this.#queue.isBehind(serial) ? current : state;
     this.update({ document: { ...state, edits, merged, stack } });
     this.#follow(current.merged, merged);
+    this.painter.follow();
   }
 
   /** The selection of an operator that is undone is there again, and ends once more when it is done again. */
@@ -426,6 +438,7 @@ export class Store {
     // A quality figure is of one mesh, so that the others have no values.
     if (values) this.update({ heat: values });
     this.view?.update(frame);
+    if (role === "model") this.painter.arrived(replaces);
     this.stopwatch.replaced(frame);
   }
 }

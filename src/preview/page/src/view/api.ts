@@ -83,8 +83,37 @@ export interface Outline extends Pick<Column, "x" | "y" | "width" | "height"> {
   path: string;
 }
 
+/** [CSS pixels] */
+export type Vector = [number, number];
+
+/** A place of an operator on the render mesh for its handles, as the camera sees it. [CSS pixels] */
+export interface Grip {
+  x: number;
+  y: number;
+  /** The way of one mesh unit to the left of the edges; null of faces. */
+  left: Vector | null;
+  /** 1 where all cloth is on the left, -1 where it is on the right, 0 where it is on both sides. */
+  cloth: -1 | 0 | 1;
+  /** The way of one mesh unit along the normal. */
+  normal: Vector;
+  /** One mesh unit across the line of sight. */
+  unit: number;
+}
+
 /** What a click does with the selection. `path` adds the shortest path from the last pick. */
 export type PickHow = "replace" | "add" | "remove" | "path";
+
+/** Paints on the points of the model. */
+export interface Brush {
+  /** Of each point, from 0 to 1. Strokes change them. */
+  weights: Float32Array<ArrayBuffer>;
+  /** [mesh units] */
+  radius: number;
+  /** Share of the way to the wanted weight at the middle of a dab. */
+  strength: number;
+  /** The point on the other side of each point, which is painted too; null for one side. */
+  mirror: number[] | null;
+}
 
 export interface ViewEvents {
   /** The pointer rests on something else than before, or it is drawn elsewhere; null is nothing. */
@@ -93,6 +122,10 @@ export interface ViewEvents {
   click(picked: Picked | null, how: PickHow): void;
   /** The flat panels were drawn elsewhere, or the meshes are in space again. */
   plan(plan: Plan): void;
+  /** The grip is seen elsewhere, or is no longer. */
+  grip(grip: Grip | null): void;
+  /** A stroke of the brush has ended. */
+  painted(weights: Float32Array): void;
   /** Whether the picture is the last one, or a better one comes. */
   final(isFinal: boolean): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
@@ -154,6 +187,14 @@ export interface View {
   flyToPlace(at: number): void;
   /** Draws selected elements of the model on all meshes, faint behind cloth; null ends it. */
   select(elements: Elements | null): void;
+  /** Finds a place on the render mesh at elements of the model that is seen, for handles there; null ends it. */
+  grip(elements: Elements | null): void;
+  /** Paints with the pointer, and shows the weights as heat on the model; null ends it. */
+  brush(brush: Brush | null): void;
+  /** The values of a primvar that the model shows as heat; null if it shows another one. */
+  weightsOf(name: string): Float32Array<ArrayBuffer> | null;
+  /** The weights that the engine gives a set, for its elements. */
+  blended(elements: Elements | null): Float32Array<ArrayBuffer> | null;
   /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */
   reveal(what: Elements | string): void;
   /** Hides all but this in all meshes, or shows all for null. Returns whether something is hidden. */

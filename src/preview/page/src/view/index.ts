@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { UpAxis } from "../server/options";
 import type { Elements, LookInfo, Role } from "../server/protocol";
-import type { Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Brush, Isolated, Marked, Outline, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { Cloth } from "./mesh/cloth";
 import type { Content } from "./mesh/cloth";
 import { contentOf } from "./mesh/copy";
@@ -14,6 +14,10 @@ import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
+import { blended, dab } from "./brush";
+import type { Stroke } from "./brush";
+import { Gripper } from "./grip";
+import type { Sight } from "./grip";
 import { aspectOf, columnAt, columns, largeOf, ROLES, sameColumns, splitAt } from "./layout";
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
@@ -29,6 +33,7 @@ import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import type { Draw } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
+import { sourceOf } from "./mesh/sources";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { histogram, worstFace } from "./mesh/values";
 import { Stage } from "./stage";
@@ -69,6 +74,9 @@ class CanvasView implements View {
   readonly #uploads = new Uploads();
   readonly #still: Still;
   readonly #planner = new Planner();
+  readonly #gripper: Gripper;
+  #brush: Brush | null = null;
+  #stroke: Stroke = "paint";
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -80,6 +88,7 @@ class CanvasView implements View {
     this.#markers = new Markers(this.#stage);
     this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
     this.#picker = new Picker(this.#stage.renderer);
+    this.#gripper = new Gripper(this.#picker, (at) => this.#spotAt(at));
     const parts: Draw = ({ sample: target }, sample) =>
       this.#stage.parts({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample);
     this.#still = new Still(this.#stage.renderer, parts, () => this.#drawPlain(false), (is) => this.events.final(is));
@@ -88,6 +97,9 @@ class CanvasView implements View {
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
     listen(canvas, {
+      begin: (at, event) => this.#begin(at, event),
+      stroke: (at) => void this.#dab(at),
+      end: () => this.#brush && this.events.painted(this.#brush.weights),
       orbit: (dx, dy, from) => (this.#columnAt(from).flat ? this.#pan(dx, dy, from) : this.#orbit(dx, dy)),
       pan: (dx, dy, from) => this.#pan(dx, dy, from),
       zoom: (factor, at) => this.#zoom(factor, at),
@@ -212,6 +224,49 @@ class CanvasView implements View {
     this.#markers.selected = elements;
     this.#placeMarkers();
     this.#invalidate();
+  }
+
+  grip(elements: Elements | null): void {
+    this.#gripper.set(elements);
+    this.#invalidate();
+  }
+
+  brush(brush: Brush | null): void {
+    this.#brush = brush;
+    for (const cloth of this.#stage.all) cloth.showValues(null);
+    this.#showWeights();
+  }
+
+  weightsOf(name: string): Float32Array<ArrayBuffer> | null {
+    const values = this.#stage.cloths.get("model")?.values;
+    return values?.name === name && values.of === "point" ? values.numbers.slice() : null;
+  }
+
+  blended(elements: Elements | null): Float32Array<ArrayBuffer> | null {
+    const model = this.#stage.cloths.get("model");
+    return model ? blended(model, elements) : null;
+  }
+
+  #showWeights(): void {
+    const numbers = this.#brush?.weights;
+    if (numbers) this.#stage.cloths.get("model")?.showValues({ name: "", of: "point", least: 0, most: 1, numbers });
+    this.#invalidate();
+  }
+
+  #begin(at: Place, { altKey, shiftKey }: PointerEvent): boolean {
+    this.#stroke = shiftKey ? "smooth" : altKey ? "erase" : "paint";
+    return this.#dab(at);
+  }
+
+  /** Paints where the pointer is on cloth. */
+  #dab(at: Place): boolean {
+    const spot = this.#brush && this.#spotAt(at);
+    const face = spot ? this.#picker.look(spot).face : -1;
+    const place = spot && face >= 0 ? onFace(spot, face) : null;
+    if (!this.#brush || !spot || !place || spot.flat) return false;
+    dab(spot.model, sourceOf(spot.cloth, face), place, this.#brush, this.#stroke);
+    this.#showWeights();
+    return true;
   }
 
   reveal(what: Elements | string): void {
@@ -396,8 +451,9 @@ class CanvasView implements View {
     this.#awaited = 0;
     const more = this.#cameras.step(now);
     this.#draw();
-    if (more) this.#invalidate();
-    else this.#hover.look();
+    if (more) return this.#invalidate();
+    this.#hover.look();
+    this.#settle();
   }
 
   #drawPlain(isMoving: boolean): void {
@@ -411,6 +467,7 @@ class CanvasView implements View {
     this.#drawPlain(isMoving);
     this.#still.restart(this.#stage.isDraft);
     this.#plan();
+    this.events.grip(this.#gripper.seen(this.#renderSight));
     if (this.#hovered) this.#hovers(this.#hovered);
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
@@ -420,6 +477,21 @@ class CanvasView implements View {
     const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
     const columns = this.#columns.filter(({ flat, split }) => flat && !split?.isKept);
     this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#cameras.flat));
+  }
+
+  #settle(near: Place | null = null): void {
+    const sight = this.#renderSight;
+    if (this.#gripper.settle(sight, near)) this.events.grip(this.#gripper.seen(sight));
+  }
+
+  /** The render mesh in space, where it is solid. */
+  get #renderSight(): Sight | null {
+    const [model, cloth] = [this.#stage.cloths.get("model"), this.#stage.cloths.get("render")];
+    const column = this.#columns.find(({ flat, roles, split }) => !flat && !split?.isKept && roles.at(-1) === "render");
+    if (!model || !cloth || !column) return null;
+    const rig = this.#cameras.space;
+    rig.place(aspectOf(column));
+    return { model, cloth, column, camera: rig.camera };
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */
@@ -488,7 +560,9 @@ class CanvasView implements View {
   }
 
   #hovers(picked: Picked | null): void {
+    const isNew = picked && (picked.x !== this.#hovered?.x || picked.y !== this.#hovered.y);
     this.#hovered = picked;
+    if (isNew && picked.role === "render" && picked.edge && this.#gripper.has(picked.edge)) this.#settle(picked);
     this.events.hover(picked, picked ? this.#columns.flatMap((column) => this.#outlineIn(column, picked)) : []);
   }
 

@@ -10,6 +10,10 @@ export interface Place {
 
 export interface Gestures {
   /** `from` is where the drag began, as it may leave its column. */
+  /** Whether a press begins a stroke here, which then has the pointer. */
+  begin(at: Place, event: PointerEvent): boolean;
+  stroke(at: Place): void;
+  end(): void;
   orbit(dx: number, dy: number, from: Place): void;
   pan(dx: number, dy: number, from: Place): void;
   zoom(factor: number, at: Place): void;
@@ -27,6 +31,7 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
   let start: Place | null = null;
   let dragging = false;
   let panning = false;
+  let painting = false;
   const place = (event: MouseEvent): Place => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -38,6 +43,7 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
     start = place(event);
     dragging = pressed.size > 1;
     panning = event.button !== 0 || event.shiftKey;
+    painting ||= event.button === 0 && pressed.size === 1 && gestures.begin(place(event), event);
   };
 
   const move = (event: PointerEvent): void => {
@@ -47,6 +53,7 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
       if (event.pointerType !== "touch") gestures.rest(at);
       return;
     }
+    if (painting) return gestures.stroke(at);
     if (start && distance(start, at) > SLACK) dragging = true;
     if (!dragging) return;
     gestures.rest(null);
@@ -67,6 +74,10 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
 
   const up = (event: PointerEvent): void => {
     if (!pressed.delete(event.pointerId)) return;
+    if (painting && pressed.size === 0) {
+      painting = false;
+      return gestures.end();
+    }
     const at = place(event);
     const clicked = !dragging && event.type === "pointerup" && event.button === 0;
     if (pressed.size > 0) return;

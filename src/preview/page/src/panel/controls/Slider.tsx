@@ -50,6 +50,7 @@ export function Slider({ label, describedBy, invalid, value, range, ghost, chang
     event.currentTarget.focus({ preventScroll: true });
     if (!isOnThumb && !event.shiftKey) change(snapped(at, step));
     follow(event, (way, isFine) => {
+      if (way === 0) return;
       at = within(at + way * perPixel);
       latest.current(snapped(at, isFine ? range.fine : step));
     });

@@ -5,21 +5,22 @@ import type { TargetedMouseEvent, TargetedPointerEvent } from "preact";
 /** Share of the way that a drag with Shift goes. */
 const FINE = 0.1;
 
-/** Follows the mouse until it is released. `moved` gets the way since the last time, and whether it is a fine one. [pixels] */
+/** Follows the mouse until it is released. `moved` gets the way since the last time to the right, whether it is a fine one, and the
+ *  way down. [pixels] */
 export function follow(
   press: TargetedPointerEvent<HTMLElement>,
-  moved: (way: number, isFine: boolean) => void,
+  moved: (way: number, isFine: boolean, down: number) => void,
   ended?: () => void,
 ): void {
   const element = press.currentTarget;
   const controller = new AbortController();
   const { signal } = controller;
-  let last = press.clientX;
+  let [x, y] = [press.clientX, press.clientY];
   element.setPointerCapture(press.pointerId);
-  const move = ({ clientX, shiftKey }: PointerEvent) => {
-    const way = clientX - last;
-    last = clientX;
-    if (way !== 0) moved(shiftKey ? FINE * way : way, shiftKey);
+  const move = ({ clientX, clientY, shiftKey }: PointerEvent) => {
+    const share = shiftKey ? FINE : 1;
+    moved(share * (clientX - x), shiftKey, share * (clientY - y));
+    [x, y] = [clientX, clientY];
   };
   element.addEventListener("pointermove", move, { signal });
   element.addEventListener("lostpointercapture", () => (controller.abort(), ended?.()), { signal });

@@ -3,18 +3,18 @@
 import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import type { Value } from "../../server/options";
-import type { Domain, Fault, Option } from "../../server/protocol";
-import { automaticLength } from "../../state/garment";
-import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
+import type { Fault, Option } from "../../server/protocol";
+import { fitting, labelOf, valueAt } from "../../state/recipe";
 import { wordsOf } from "../../state/selection";
 import { isMixed, keysWith } from "../../state/cards";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
 import { IconButton, Segments, Select, Switch } from "../controls/controls";
 import { NumberField } from "../controls/NumberField";
-import { Slider, type Range } from "../controls/Slider";
+import { Slider } from "../controls/Slider";
 import { useSelect, useStore } from "../controls/hooks";
-import { lengthUnit, neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
+import { rounded } from "../controls/numbers";
+import { clamped, numberOption, setNumber } from "./numberOption";
 import { SetChips } from "./SetChips";
 import { TextField, WordChoice } from "../controls/TextField";
 import { Words } from "../controls/Words";
@@ -121,7 +121,7 @@ function Control({ option, full, ...described }: ControlProps) {
     case "sets":
       return <SetChips {...described} of={domain.of} names={Array.isArray(value) ? value : []} change={(names) => store.set(full, names)} />;
     default:
-      return <NumberControl option={option} full={full} value={Number(value)} {...described} />;
+      return <NumberControl option={option} full={full} {...described} />;
   }
 }
 
@@ -196,36 +196,21 @@ function FabricSelect({ words, value, ...described }: NamedSelectProps & { words
   return <Select {...described} value={value} groups={groups.filter(({ choices }) => choices.length > 0)} />;
 }
 
-function NumberControl({ option, full, value, mixed, ...described }: ControlProps & { value: number }) {
+function NumberControl({ option, full, mixed, ...described }: ControlProps) {
   const store = useStore();
-  const garment = useSelect((state) => state.garment);
-  const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
-  const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
-  // Lengths are in the unit of the panel here, and in mesh units outside.
-  const isLength = option.domain.type === "length";
-  const unit = isLength ? lengthUnit(garment) : { metres: 1, size: 1 };
-  const range = rangeOf(option.domain, (garment?.meanEdge ?? 1) / unit.size);
-  if (!range) return null;
-  const length = used ?? ofFabric ?? automaticLength(option.domain, garment);
-  const auto = length === null ? null : length / unit.size;
-  // Numbers in mesh units stay as they are.
-  const neatly = (number: number) => (unit.size === 1 ? number : neat(number));
-  const shownValue = neatly(value / unit.size);
-  // What an option is without the edits here: typed again, it is no edit.
-  const below = (key: string) => valueAt(store.state.document.upstream, key) ?? option.default;
-  const set = (typed: number, how: "step" | "continuous") => {
-    const changed = neatly(typed * unit.size);
-    const keys = keysWith(store.state, full);
-    store.setAll(keys.map((key) => ({ key, value: changed, isBack: how === "step" && changed === below(key) })), how);
-  };
+  useSelect((state) => JSON.stringify(numberOption(state, option, full)));
+  const number = numberOption(store.state, option, full);
+  if (!number) return null;
+  const { value, auto, unit, metres, size, range } = number;
+  const set = (typed: number, how: "step" | "continuous") => setNumber(store, option, full, size, typed, how);
   return (
     <span class="number-control">
       <NumberField
         {...described}
-        value={shownValue}
+        value={value}
         mixed={mixed}
-        unit={unitOf(option.unit, garment)}
-        metres={isLength || option.unit === "m" ? unit.metres : null}
+        unit={unit}
+        metres={metres}
         step={range.step}
         fine={range.fine}
         clamp={(typed) => clamped(option.domain, typed)}
@@ -236,44 +221,12 @@ function NumberControl({ option, full, value, mixed, ...described }: ControlProp
       {range.most - range.least <= WIDEST * range.step && (
         <Slider
           {...described}
-          value={shownValue}
+          value={value}
           range={range}
           ghost={value === 0 ? auto : null}
-          change={(changed) => (changed !== shownValue || mixed) && set(changed, "continuous")}
+          change={(changed) => (changed !== value || mixed) && set(changed, "continuous")}
         />
       )}
     </span>
   );
-}
-
-/** The usual range of a number, with a step that can be seen; null of what is not a number. */
-function rangeOf(domain: Domain, meanEdge: number): Range | null {
-  switch (domain.type) {
-    case "whole":
-      return { least: 0, most: domain.usual, step: 1, fine: 1 };
-    case "number":
-      return { least: domain.usual[0], most: domain.usual[1], step: neat(domain.step), fine: neat(domain.step / 10) };
-    case "length": {
-      const [least, most] = domain.usual.map((share) => share * meanEdge);
-      const step = niceStep(most - least);
-      return { least: snapped(least, step), most: snapped(most, step), step, fine: neat(step / 10) };
-    }
-    default:
-      return null;
-  }
-}
-
-/** The nearest value that the option takes. A slider's end is not a limit. */
-function clamped(domain: Domain, typed: number): number {
-  switch (domain.type) {
-    case "whole":
-      return Math.min(domain.most, Math.max(0, Math.round(typed)));
-    case "number":
-      if (domain.orZero && typed <= 0) return Math.max(typed, Math.min(domain.least, 0));
-      return Math.min(domain.most ?? Infinity, Math.max(domain.least, typed));
-    case "length":
-      return domain.usual[0] < 0 ? typed : Math.max(0, typed);
-    default:
-      return typed;
-  }
 }

@@ -4,6 +4,7 @@ import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Role } from "../../server/protocol";
 import { makeLarge } from "../../state/keys";
 import { ROLE_NAMES } from "../../state/settings";
+import { shownOf } from "../../state/state";
 import { columns, largeOf } from "../../view/layout";
 import { FlatNotes } from "./FlatNotes";
 import { SplitLines } from "./SplitLines";
@@ -12,7 +13,10 @@ import { useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
 export function ColumnLabels() {
   const box = useRef<HTMLDivElement>(null);
   const [size, setSize] = useState({ width: 0, height: 0 });
-  const settings = useSelect((state) => state.settings);
+  const store = useStore();
+  useSelect((state) => state.settings);
+  useSelect((state) => state.brush);
+  const settings = shownOf(store.state);
   useLayoutEffect(() => {
     const element = box.current;
     if (!element) return;

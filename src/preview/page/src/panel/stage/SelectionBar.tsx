@@ -12,7 +12,8 @@ import { KIND_NAMES } from "../recipe/Stack";
 export function SelectionBar() {
   const selection = useSelect((state) => state.selection);
   const isSelecting = useSelect((state) => state.isSelecting);
-  if (!selection && !isSelecting) return null;
+  const isPainting = useSelect((state) => state.brush !== null);
+  if (isPainting || (!selection && !isSelecting)) return null;
   return (
     <div class="selection-bar" role="toolbar" aria-label="Selection">
       <p class="selection-words" role="status">{selection ? wordsOf(selection) : "Nothing is selected"}</p>

@@ -7,8 +7,10 @@ import { Button } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legends } from "./Legend";
+import { PaintBar } from "./PaintBar";
 import { PickPopover } from "./PickPopover";
 import { FirstSteps } from "./FirstSteps";
+import { Handles } from "./Handles";
 import { FitBar } from "./FitBar";
 import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
@@ -35,6 +37,7 @@ export function Stage() {
       />
       <Outlines />
       <ColumnLabels />
+      <Handles />
       <StillNote />
       <FirstLoad />
       <Progress />
@@ -45,6 +48,7 @@ export function Stage() {
       <HoverLabel />
       <PickPopover />
       <SelectionBar />
+      <PaintBar />
       <FitBar />
       <ScrubBar />
       <Toasts />

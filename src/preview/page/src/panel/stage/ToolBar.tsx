@@ -124,6 +124,7 @@ export function SideBar() {
   const mirror = useSelect(({ garment }) => garment?.mirror);
   const isolated = useSelect((state) => state.isolated);
   const split = useSelect((state) => state.split);
+  const isPainting = useSelect((state) => state.brush !== null);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
       {DRAWN.map(([name, label, hint]) => (
@@ -179,6 +180,13 @@ export function SideBar() {
           change={(symmetric) => store.settings({ symmetric })}
         />
       )}
+      <Toggle
+        label="Paint"
+        icon="brush"
+        hint="Paint the density, the thickness of folds, pins (P)"
+        on={isPainting}
+        change={() => store.painter.toggle()}
+      />
       <IconButton label="Frame" icon="frame" hint="Frame what is marked, or everything (F)" act={() => store.view?.frame()} />
       <PictureButton />
     </div>

@@ -232,6 +232,13 @@ export class Cloth {
     }
   }
 
+  /** Shows values of its own, or none for null. */
+  showValues(values: MeshValues | null): void {
+    if (values) this.#setValues(values);
+    else this.#dropValues();
+    this.paint.uniforms.uHasValues.value = values !== null;
+  }
+
   #setValues(values: MeshValues): void {
     this.values = values;
     this.paint.uniforms.uAboutIdeal.value = scaleOf(values).isAboutIdeal;

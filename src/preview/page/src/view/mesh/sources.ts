@@ -175,6 +175,6 @@ class Drawn {
   }
 }
 
-function placeOf(cloth: Cloth, point: number): Vector3 {
+export function placeOf(cloth: Cloth, point: number): Vector3 {
   return new Vector3().fromArray(cloth.points, 4 * point);
 }
