@@ -149,9 +149,9 @@ fn merged(upstream: &Options, edits: &Options) -> Layers {
 
 /// The overrides of an input, and those by which its garment is fitted.
 fn overrides(input: &Input, fit: Option<&BodyOptions>) -> Vec<String> {
-    let of_fit = fit.into_iter().flat_map(|BodyOptions { from, to, rigid, keep_length, .. }| {
+    let of_fit = fit.into_iter().flat_map(|BodyOptions { from, to, rigid, keep_length, ease, .. }| {
         let [rigid, keep_length] = [rigid, keep_length].map(|sets| sets.join(", "));
-        [("from", from), ("to", to), ("rigid", &rigid), ("keepLength", &keep_length)]
+        [("from", from), ("to", to), ("rigid", &rigid), ("keepLength", &keep_length), ("ease", &ease.to_string())]
             .map(|(key, value)| format!("fit.{key}={value}"))
     });
     input.overrides.iter().cloned().chain(of_fit).collect()

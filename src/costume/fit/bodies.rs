@@ -130,6 +130,13 @@ impl Bodies {
         Cow::Owned(below)
     }
 
+    /// The bodies with the second one larger all around. \[mesh units\]
+    pub(super) fn eased(&self, ease: f64) -> Self {
+        let grown =
+            self.to.iter().zip(normals(&self.triangles, &self.to)).map(|(point, normal)| *point + ease * normal);
+        Self { to: grown.collect(), ..self.clone() }
+    }
+
     /// The points at a share of the way.
     pub(super) fn shape(&self, share: f64) -> Vec<DVec3> {
         self.from.iter().zip(&self.to).map(|(a, b)| a.lerp(*b, share)).collect()

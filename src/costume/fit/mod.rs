@@ -67,6 +67,8 @@ pub struct FitOptions {
     pub rigid: Vec<Elements>,
     /// Sets whose edges keep their lengths, such as a hem.
     pub keep_length: Vec<Elements>,
+    /// Distance that the garment gains from the body. \[mesh units\]
+    pub ease: f32,
 }
 
 /// A garment on the way to another body.
@@ -135,7 +137,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     check_crowd(mesh, &start.work)?;
     let mut warnings: Warnings = far_from_body(mesh, &cage, &start, bodies).into_iter().collect();
     warnings.extend(folded(mesh, bodies));
-    let below = bodies.below(&cage, &rest, &start.crossings);
+    let below = bodies.below(&cage, &rest, &start.crossings).eased(f64::from(options.ease));
     let mut path = Path::new(&cage, &rest, &below, options);
     check_crowd(mesh, &path.start)?;
     let points = path.run();
@@ -256,7 +258,7 @@ fn new_crossings(mesh: &Mesh, start: &OnBody, end: &OnBody) -> Option<Warning> {
         let problem = format!("{} faces cross the body or the garment, and did not before", faces.len());
         Warning::new(codes::FIT_CROSSES, &mesh.prim, problem)
             .at(faces)
-            .remedy("Give the garment more ease there, or move these points by hand")
+            .remedy("Raise fit.ease, or move these points by hand")
     })
 }
 
@@ -267,7 +269,7 @@ fn thin_faces(mesh: &Mesh, before: &[DVec3], after: &[DVec3]) -> Option<Warning>
         let count = counted(faces.len(), "face has an angle", "faces have angles");
         Warning::new(codes::FIT_SLIVERS, &mesh.prim, format!("{count} below 5 degrees, and had none before"))
             .at(Elements::Faces(faces))
-            .remedy("Move these points by hand, or give the garment more ease there")
+            .remedy("Move these points by hand, or raise fit.ease")
     })
 }
 
@@ -350,6 +352,21 @@ mod tests {
             "{:?}",
             told(4.0)
         );
+    }
+
+    #[test]
+    fn ease_lifts_a_garment_off_its_body() {
+        let (garment, body) = (
+            rings(9, |row| [2.0 + 0.25 * row as f32, 1.05], |_, _| 1.0),
+            rings(25, |row| [0.25 * row as f32, 1.0], |_, _| 1.0),
+        );
+        let bodies = Bodies::new(&body, &body).expect("a body corresponds to itself");
+        let mean = |ease: f32| {
+            let fitted = fit(&garment, &bodies, &FitOptions { ease, ..FitOptions::default() }).expect("a fit");
+            fitted.points.iter().map(|p| Vec3::new(p.x, 0.0, p.z).length()).sum::<f32>() / fitted.points.len() as f32
+        };
+        let [tight, loose] = [0.0, 0.2].map(mean);
+        assert!((tight - 1.05).abs() < 0.01 && (loose - 1.25).abs() < 0.02, "{tight} {loose}");
     }
 
     #[test]

@@ -104,7 +104,7 @@ pub fn fit_options(
     };
     let sets = |(place, names): (&str, &[String])| names.iter().map(|name| set(place, name)).collect();
     let (rigid, keep_length): (Result<Vec<Elements>, Error>, _) = (sets(rigid), sets(keep_length));
-    Ok(FitOptions { rigid: rigid?, keep_length: keep_length? })
+    Ok(FitOptions { rigid: rigid?, keep_length: keep_length?, ease: recipe.fit.ease })
 }
 
 fn fitted(builder: &Builder, recipe: &Recipe, bodies: &Bodies) -> Result<Fitted, Error> {

@@ -113,7 +113,7 @@ pub fn fit(data: &[u8]) {
     let bodies = if choices.once_in(3) { Bodies::by_pairs(from, to, &pairs) } else { Bodies::new(from, to) };
     let mut some_sets =
         || garment.subsets.iter().filter(|_| choices.once_in(3)).map(|set| set.elements.clone()).collect();
-    let options = FitOptions { rigid: some_sets(), keep_length: some_sets() };
+    let options = FitOptions { rigid: some_sets(), keep_length: some_sets(), ease: 0.0 };
     let Some(fitted) = sound(bodies).and_then(|bodies| sound(fit_garment(garment, &bodies, &options))) else { return };
     assert_eq!(fitted.points.len(), garment.points.len(), "a point for each of the garment");
     assert!(!finite || fitted.points.iter().all(|p| p.is_finite()), "points are finite");

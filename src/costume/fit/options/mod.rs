@@ -35,6 +35,10 @@ options! {
         "keepLength" keep_length: Vec<String> = Vec::new(), Domain::Sets { of: ANY, required: false },
             "names of subsets";
 
+        /// Distance that the garment gains from the body, as if the second body were as much larger all around
+        "ease" ease: f32 = 0.0, Domain::length([0.0, 0.5], 0.0),
+            "mesh units" via "tailor_mesh::garment::units::deserialize_length";
+
         /// Flat panels at rest of a fitted garment: graded to the body, or the pattern as it was made
         "rest" rest: PanelRest = PanelRest::Graded, Domain::Choice { words: &["graded", "pattern"] },
             "graded or pattern";

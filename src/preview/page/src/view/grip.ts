@@ -160,7 +160,7 @@ function hasEdge(cloth: Cloth, face: number, ends: Ends): boolean {
 
 function least<T>(all: T[], cost: (each: T) => number): T | null {
   const costs = all.map(cost);
-  return all[costs.indexOf(Math.min(...costs))] ?? null;
+  return all[costs.indexOf(costs.reduce((a, b) => Math.min(a, b), Infinity))] ?? null;
 }
 
 function footOf(cloth: Cloth, ends: Ends): Foot {

@@ -179,19 +179,22 @@ function SideArrow({ grip, left, side, flip }: { grip: Grip; left: Vector; side:
   // Away from the crest.
   const along = up[1] * x - up[0] * y > 0 ? -REACH : REACH;
   const on = side === 0 ? "both sides" : side === 1 ? "the left" : "the right";
+  const at = { x: grip.x - along * y, y: grip.y + along * x };
   return (
-    <button
-      type="button"
-      tabIndex={-1}
-      class="knob-side"
-      title={`The arrow points to the left. The seam is on ${on}; a click puts it on ${side === 1 ? "the right" : "the left"}`}
-      style={{ left: `${grip.x - along * y}px`, top: `${grip.y + along * x}px` }}
-      onClick={flip}
-    >
-      <svg viewBox="-17 -9 34 18" width="34" height="18" style={{ rotate: `${Math.atan2(y, x)}rad` }}>
-        <path d="M-13 0H13M7 -5L13 0L7 5" />
-      </svg>
-      <b style={{ left: `${17 + 24 * x}px`, top: `${9 + 24 * y}px` }}>L</b>
-    </button>
+    <>
+      <button
+        type="button"
+        tabIndex={-1}
+        class="knob-side"
+        title={`The arrow points to the left. The seam is on ${on}; a click puts it on ${side === 1 ? "the right" : "the left"}`}
+        style={{ left: `${at.x}px`, top: `${at.y}px` }}
+        onClick={flip}
+      >
+        <svg viewBox="-17 -9 34 18" width="34" height="18" style={{ rotate: `${Math.atan2(y, x)}rad` }}>
+          <path d="M-13 0H13M7 -5L13 0L7 5" />
+        </svg>
+      </button>
+      <b class="knob-left" style={{ left: `${at.x + 24 * x}px`, top: `${at.y + 24 * y}px` }}>L</b>
+    </>
   );
 }
