@@ -100,6 +100,20 @@ def test_a_hem_keeps_its_length_and_buttons_their_shape(usdtailor, sleeve, tmp_p
     assert abs(lengths["buttons"]["length"] - 1) < 1e-4
 
 
+def test_ease_is_added_in_any_unit(usdtailor, sleeve, tmp_path):
+    paths, mean = sleeve(), {}
+    for ease in ("0", "0.2", "2mm"):
+        out = tmp_path / f"{ease}.usda"
+        fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out, "--set", f"fit.ease={ease}")
+        assert not crossings(Triangles(out), Triangles(paths["thick"]))[0]
+        mean[ease] = np.linalg.norm(Triangles(out).points[:, [0, 2]], axis=1).mean()
+    unit = UsdGeom.GetStageMetersPerUnit(Usd.Stage.Open(str(paths["sleeve"])))
+    assert abs(mean["0.2"] - mean["0"] - 0.2) < 0.04, mean
+    assert abs(mean["2mm"] - mean["0"] - 0.002 / unit) < 0.2 * 0.002 / unit, (mean, unit)
+    done = fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", tmp_path / "bad.usda", "--set", "fit.ease=-1", code=2)
+    assert "fit.ease" in done.stderr and not (tmp_path / "bad.usda").exists(), done.stderr
+
+
 def test_units_axes_and_transforms_of_bodies_are_taken_over(usdtailor, sleeve, tmp_path):
     paths, out = sleeve(), {name: tmp_path / f"{name}.usda" for name in ("plain", "turned")}
     fit(usdtailor, paths["sleeve"], "--from", paths["arm"], "--to", paths["thick"], "-o", out["plain"])

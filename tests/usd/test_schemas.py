@@ -53,6 +53,7 @@ LOD = {"tailor:lod:levels": ("int", 1), "tailor:lod:ratio": ("float", 2.0)}
 FIT = {
     "tailor:fit:from": ("asset", Sdf.AssetPath("")),
     "tailor:fit:to": ("asset", Sdf.AssetPath("")),
+    "tailor:fit:ease": ("float", 0.0),
     "tailor:fit:rest": ("token", "graded"),
 }
 FOLD = {
