@@ -52,7 +52,7 @@ test("bodies are chosen from the files beside the garment, and the garment is fi
   const section = page.getByRole("region", { name: "Fit" });
   assert.deepEqual(
     await section.locator("[data-key]").evaluateAll((rows) => rows.map((row) => row.dataset.key)),
-    ["fit.from", "fit.to", "fit.rigid", "fit.keepLength", "fit.rest"],
+    ["fit.from", "fit.to", "fit.rigid", "fit.keepLength", "fit.ease", "fit.rest"],
   );
   await choose(preview, "fit.from", "thin.usda");
   await choose(preview, "fit.to", "thick.usda");
