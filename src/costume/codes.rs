@@ -16,6 +16,8 @@ declare_codes! {
         UNUSABLE_PANELS = "unusable-panels";
         /// Two bodies of a fit do not correspond.
         BODIES_DIFFER = "bodies-differ";
+        /// A stitch has no line to follow.
+        STITCH_LINE = "stitch-line";
         /// A product of an earlier build is incomplete or was edited.
         STALE_BINDING = "stale-binding";
     }

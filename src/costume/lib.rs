@@ -5,6 +5,7 @@
 //! | [`cloth`] | fabrics, pins, attachments, the shape at rest |
 //! | [`mod@drive`] | points that follow a simulated mesh |
 //! | [`binding`] | the places of the render mesh's points on the simulation mesh |
+//! | [`stitch`] | threads along seams |
 //! | [`trim`] | pieces of buttons and zips, rigid or soft |
 //! | [`fit`] | a garment on another body |
 //! | [`recipe`] | all options: their table, files and layers |
@@ -19,6 +20,7 @@ pub mod drive;
 pub mod fit;
 pub mod pipeline;
 pub mod recipe;
+pub mod stitch;
 pub mod trim;
 
 pub use binding::Binding;
@@ -28,4 +30,5 @@ pub use pipeline::{
     SimUpdate, Timing, build,
 };
 pub use recipe::{LodOptions, Recipe};
+pub use stitch::{Stitch, StitchKind, StitchOptions};
 pub use trim::{TrimMode, TrimOptions};

@@ -120,10 +120,15 @@ impl Triangles {
     }
 
     /// The triangle nearest to a point, and the weights of its corners at the nearest point; none without triangles.
-    fn nearest(&self, point: Vec3) -> Option<(usize, Vec3)> {
+    pub fn nearest(&self, point: Vec3) -> Option<(usize, Vec3)> {
         let squared = |triangle: usize, from: DVec3| self.nearest_of(triangle, from.as_vec3()).0;
         let found = self.search.nearest(point, squared)?;
         Some((found, self.nearest_of(found, point).1))
+    }
+
+    /// The corners of a triangle.
+    pub fn corners(&self, triangle: usize) -> &[Vec3; 3] {
+        &self.corners[triangle]
     }
 
     /// The distance of the nearest triangle, infinite without one. \[mesh units\]

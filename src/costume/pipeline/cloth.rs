@@ -4,6 +4,7 @@ use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothOptions, FabricOptions, Pattern};
 use crate::fit::PanelRest;
 use crate::recipe::Recipe;
+use crate::stitch::{Stitch, StitchOptions, sew};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tailor::pipeline::{Clock, MeshBuilder, SimResult};
@@ -85,6 +86,35 @@ impl BindingSteps {
     pub fn bytes(&self) -> usize {
         let all = [self.render.last(), self.cage.last()].into_iter().flatten();
         all.chain(self.levels.iter().filter_map(Step::last)).map(|binding| binding.bytes()).sum()
+    }
+}
+
+/// The render mesh, the simulation mesh, and the options of stitches.
+type StitchInput = (Same<Mesh>, Same<Mesh>, BTreeMap<String, StitchOptions>);
+
+/// The step from both meshes to the stitches.
+#[derive(Default)]
+pub struct StitchStep(Step<StitchInput, Arc<BTreeMap<String, Stitch>>>);
+
+impl StitchStep {
+    /// The stitches of a resolved recipe.
+    pub fn update(
+        &mut self,
+        recipe: &Recipe,
+        sim: &Arc<Mesh>,
+        render: &Arc<Mesh>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Arc<BTreeMap<String, Stitch>>, Error> {
+        if recipe.stitch.is_empty() {
+            return Ok(Arc::default());
+        }
+        let input = (Same::from(render), Same::from(sim), recipe.stitch.clone());
+        self.0.get(input, |(render, sim, options)| clock.run("stitches", || Ok(Arc::new(sew(render, sim, options)))))
+    }
+
+    /// An estimate of the memory of the kept results. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        self.0.last().map_or(0, |all| all.values().map(|stitch| 44 * stitch.threads.points.len()).sum())
     }
 }
 

@@ -21,7 +21,7 @@ pub use tailor::pipeline::{
 
 use crate::cloth::{Cloth, Rest};
 use crate::recipe::{Recipe, Resolved};
-use cloth::{BindingSteps, ClothStep};
+use cloth::{BindingSteps, ClothStep, StitchStep};
 use std::sync::Arc;
 use tailor::render::operator::Operator;
 use tailor::sets::{DerivedSet, ListedSet};
@@ -62,6 +62,7 @@ pub struct Builder {
     bindings: BindingSteps,
     /// The cloth in the garment's own space.
     moved_cloth: Step<Same<Cloth>, Arc<Cloth>>,
+    stitches: StitchStep,
     /// The builders of the coarser levels of detail.
     levels: Vec<Self>,
 }
@@ -76,8 +77,8 @@ impl Builder {
     }
 
     fn of(meshes: MeshBuilder) -> Self {
-        let (cloth, bindings, moved_cloth) = Default::default();
-        Self { meshes, cloth, bindings, moved_cloth, levels: Vec::new() }
+        let (cloth, bindings, moved_cloth, stitches) = Default::default();
+        Self { meshes, cloth, bindings, moved_cloth, stitches, levels: Vec::new() }
     }
 
     /// A builder of the same checked mesh, without results and operators of its own.
@@ -201,6 +202,9 @@ impl Builder {
             || cloth.update(&recipe, (&garment, mean_edge), &sim.simulated, &mut clock),
             || bindings.update(&sim.simulated, &render.mesh, meshes, &resolved.recipe, &mut beside),
         )?;
+        let frame = meshes.frame();
+        let (sim_mesh, render_mesh) = (frame.sim(&sim.mesh)?, frame.render(&render.mesh)?);
+        let stitches = self.stitches.update(&recipe, &sim_mesh, &render_mesh, &mut clock)?;
         clock.finish()?;
         let (cloth, of_cloth) = cloth.unzip();
         let mut of_steps = of_recipe;
@@ -208,10 +212,10 @@ impl Builder {
         of_steps.extend(render.warnings);
         of_steps.extend(of_cloth.unwrap_or_default());
         let warnings = self.meshes.with_own_warnings(of_steps);
-        let frame = self.meshes.frame();
         Ok(Products {
-            sim: frame.sim(&sim.mesh)?,
-            render: frame.render(&render.mesh)?,
+            sim: sim_mesh,
+            render: render_mesh,
+            stitches,
             cloth: cloth.map(|cloth| self.in_garment_space(&cloth)).transpose()?,
             binding,
             cage_binding,
@@ -273,6 +277,7 @@ impl Builder {
         self.meshes.bytes()
             + self.cloth.bytes()
             + self.bindings.bytes()
+            + self.stitches.bytes()
             + moved
             + self.levels.iter().map(Self::bytes).sum::<usize>()
     }

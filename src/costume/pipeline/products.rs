@@ -3,7 +3,9 @@
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::recipe::Recipe;
+use crate::stitch::Stitch;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use tailor::pipeline::{MeshPlan, SimResult, Timing};
 use tailor::report::{RenderFigures, SimFigures};
@@ -22,6 +24,8 @@ pub struct Products {
     pub render: Arc<Mesh>,
     /// The simulation mesh as cloth; none where `cloth.physics` is empty.
     pub cloth: Option<Arc<Cloth>>,
+    /// The stitches on the render mesh, by name.
+    pub stitches: Arc<BTreeMap<String, Stitch>>,
     /// The places of the render mesh's points on the simulation mesh.
     pub binding: Arc<Binding>,
     /// The places of the garment's own points on the simulation mesh.

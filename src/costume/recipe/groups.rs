@@ -3,6 +3,7 @@
 use super::LodOptions;
 use crate::cloth::{ClothOptions, FabricOptions};
 use crate::fit::BodyOptions;
+use crate::stitch::StitchOptions;
 use crate::trim::TrimOptions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer};
@@ -64,6 +65,8 @@ groups! {
     named {
         /// Options of each fabric, by name.
         fabric: FabricOptions,
+        /// Options of each stitch, by name.
+        stitch: StitchOptions,
         /// Options of each trim, by name.
         trim: TrimOptions,
     }
@@ -80,7 +83,14 @@ impl Recipe {
     #[must_use]
     pub fn of_sim(self) -> Self {
         let render = RenderOptions { level: 0, ..RenderOptions::default() };
-        Self { render, fold: BTreeMap::new(), seam: BTreeMap::new(), trim: BTreeMap::new(), ..self }
+        Self {
+            render,
+            fold: BTreeMap::new(),
+            seam: BTreeMap::new(),
+            stitch: BTreeMap::new(),
+            trim: BTreeMap::new(),
+            ..self
+        }
     }
 }
 

@@ -42,6 +42,7 @@ impl Recipe {
             return recipe;
         }
         recipe.cloth.physics.clear();
+        recipe.stitch.clear();
         let scale = self.lod.scale(level);
         recipe.sim.max_edge_length *= scale;
         recipe.sim.min_edge_length *= scale;

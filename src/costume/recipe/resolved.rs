@@ -1,11 +1,12 @@
 //! A recipe for one garment.
 
 use super::Recipe;
+use crate::stitch::follow_seams;
 use tailor::recipe::{ResolvedMeshes, resolve_uv_set};
 use tailor::sim::length_scale;
 use tailor_mesh::error::{Error, Warnings};
 use tailor_mesh::garment::Mesh;
-use tailor_mesh::options::{Scale, within_size_in_meters};
+use tailor_mesh::options::{OptionGroup as _, Scale, within_size_in_meters};
 
 /// A recipe whose values are checked against one garment: lengths are in mesh units, and names are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +25,11 @@ impl Resolved {
     pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
+        follow_seams(&mut recipe.stitch, &recipe.seam)?;
         let mean_edge = length_scale(garment, &recipe.sim, mean_edge);
-        recipe.resolve_lengths(Scale { mean_edge, meters: garment.units.meters() });
+        let scale = Scale { mean_edge, meters: garment.units.meters() };
+        recipe.resolve_lengths(scale);
+        recipe.stitch.values_mut().for_each(|stitch| stitch.resolve_lengths(scale));
         let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
         let meshes = warnings.absorb(ResolvedMeshes::of_groups(recipe.meshes(), &recipe.used(), garment)?);
         recipe.cloth.check_names(garment)?;

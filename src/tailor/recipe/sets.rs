@@ -1,6 +1,6 @@
 //! Sets that a recipe describes by expressions.
 
-use super::{MeshRecipe, UsedGroup};
+use super::UsedGroup;
 use crate::codes;
 use crate::sets::{SetEvaluator, is_subset_name, quoted};
 use std::borrow::Cow;
@@ -12,12 +12,15 @@ use tailor_mesh::options::{Domain, Given, Key, OptionGroup, float_primvar, subse
 /// The elements of the sets that weights take.
 const ANY: &[&str] = &["face", "edge", "point"];
 
+/// The groups whose sets are those of the render mesh.
+const OF_RENDER: [&str; 3] = ["fold", "seam", "stitch"];
+
 /// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecipeSets {
     /// The sets of the simulation mesh and its cloth.
     pub sim: Vec<Subset>,
-    /// The sets of the operators of the render mesh.
+    /// The sets of the operators of the render mesh, and of what lies on it.
     pub render: Vec<Subset>,
 }
 
@@ -31,8 +34,8 @@ impl RecipeSets {
         let evaluator = LazyCell::new(|| SetEvaluator::new(garment, uv_set));
         let (mut found, mut warnings) = (Self::default(), Warnings::default());
         for (prefix, options) in groups {
-            let is_operator = MeshRecipe::OPERATORS.iter().any(|operator| operator.name == options.group().name);
-            let sets = if is_operator { &mut found.render } else { &mut found.sim };
+            let is_of_render = OF_RENDER.contains(&options.group().name);
+            let sets = if is_of_render { &mut found.render } else { &mut found.sim };
             for (key, of, names) in named_sets(*options) {
                 let place = format!("{prefix}.{}", key.key);
                 for name in names {

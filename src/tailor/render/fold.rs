@@ -33,7 +33,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor_mesh::connectivity::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor_mesh::error::{Error, Warning, Warnings, counted};
-use tailor_mesh::garment::{Elements, Mesh, Orientation, Subset, Values};
+use tailor_mesh::garment::{Elements, Mesh, Subset, Values};
 use tailor_mesh::options::{Domain, OptionValue, options};
 use tailor_mesh::subdivide::{Level, Stencils};
 
@@ -217,7 +217,7 @@ impl Fold {
 
     /// The provisional offsets of the copies.
     fn offsets(&self, cage: &OperatorInput, controls: &[(Control, f32)], lines: &Lines) -> Vec<(VertexId, Vec3)> {
-        let normals = vertex_normals(cage.garment);
+        let normals = super::limit::vertex_normals(cage.garment, &cage.garment.points);
         let offset = |(control, weight): &(Control, f32)| {
             let normal: Vec3 =
                 lines.builder.sources(control.role.original()?).iter().map(|&(v, w)| w * normals[v]).sum();
@@ -263,20 +263,6 @@ fn sharpness(
         }
     }
     (corners, creases)
-}
-
-/// Outer normals of a cage, weighted by the areas at its corners.
-fn vertex_normals(garment: &Mesh) -> IdVec<VertexId, Vec3> {
-    let faces = &garment.faces;
-    let sign = if garment.orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
-    let mut normals = IdVec::filled(Vec3::ZERO, garment.points.len());
-    for corner in faces.corners().ids() {
-        let [here, next, prev] = [corner, faces.next(corner), faces.prev(corner)].map(|c| faces.vertex(c));
-        let at = garment.points[here];
-        normals[here] += sign * (garment.points[next] - at).cross(garment.points[prev] - at);
-    }
-    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
-    normals
 }
 
 /// The weight of each control, 0 on the surface.

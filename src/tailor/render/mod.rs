@@ -18,6 +18,7 @@
 
 pub mod child;
 mod fold;
+mod limit;
 mod lines;
 pub mod operator;
 mod options;
@@ -30,7 +31,9 @@ mod seam;
 mod stack;
 
 pub use fold::{FoldOptions, Side};
+pub use limit::LimitSurface;
 pub use options::{OperatorOptions, RenderOptions};
+pub use parallels::SurfaceLine;
 pub use seam::{RowSide, SeamEnd, SeamOptions};
 pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 

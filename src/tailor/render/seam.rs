@@ -31,7 +31,7 @@ use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
 use crate::codes;
-use chains::Network;
+pub use chains::Network;
 use creases::Creases;
 use heights::{Part, SeamLine};
 pub use options::{RowSide, SeamEnd, SeamOptions};

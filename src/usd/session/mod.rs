@@ -241,7 +241,8 @@ fn level_products<'a>(products: &'a Products, panels: &'a [RenderPanel], names: 
     let cloth = products.cloth.as_deref();
     let sim = Product::new(&names.sim, ProductRole::Sim, &products.sim);
     let trims = Some(&products.recipe.trim);
-    let sim = Product { cloth, cage_binding: Some(&products.cage_binding), trims, ..sim };
+    let sim =
+        Product { cloth, cage_binding: Some(&products.cage_binding), trims, stitches: Some(&products.stitches), ..sim };
     let whole = (None, &*products.render, &*products.binding, &products.level_bindings);
     let of_panel = |(i, panel): (usize, &'a RenderPanel)| (Some(i), &panel.mesh, &panel.binding, &panel.level_bindings);
     let meshes: Vec<_> =

@@ -4,10 +4,12 @@ use super::crates::{encode, remove_unwritable};
 use super::fit::author_fits;
 use super::flatten::flattened;
 use super::levels::{LevelPart, check_levels, copy_levels, level_variants};
-use super::physics::{PANELS, SCOPE, beside};
+use super::physics::{PANELS, SCOPE};
 use super::product::{Author, fault};
 use super::role::{GarmentProducts, Product, ProductRole, SetChoice, level_count};
 use super::save::{Format, HeldOutput, OutputFile, text_of};
+use super::scope::beside;
+use super::stitches::STITCHES;
 use super::trims::{BoundTrim, TrimBindings};
 use super::variant::copy_into_variant;
 use crate::assets::{Anchor, as_named, writable};
@@ -283,6 +285,7 @@ fn author(
             }
         }
         warnings.extend(author.physics(products)?);
+        author.stitches(products).map_err(fault)?;
     }
     let product = |of: &GarmentProducts| of.products.iter().map(|p| of.source.model.sibling_path(p.name)).collect();
     let paths: Vec<Result<Vec<_>, _>> = garments.iter().map(product).collect();
@@ -319,6 +322,8 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         let panels = cloth.panels.then(|| beside(PANELS, sim));
         std::iter::once(beside(SCOPE, sim)).chain(panels)
     });
+    let is_sewn = |sim: &&Product| sim.stitches.is_some_and(|stitches| !stitches.is_empty());
+    let written = written.chain(sim.filter(is_sewn).map(|sim| beside(STITCHES, sim.name)));
     for name in written {
         refuse_other(model, &name)?;
         let is_ours = model.siblings.get(&name).is_none_or(|sibling| sibling.product);

@@ -12,8 +12,10 @@ mod product;
 mod recipe;
 mod role;
 mod save;
+mod scope;
 mod sets;
 mod shapes;
+mod stitches;
 mod trims;
 mod variant;
 

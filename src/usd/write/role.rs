@@ -6,6 +6,7 @@ use openusd::sdf::Path;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use tailor_costume::Stitch;
 use tailor_costume::binding::Binding;
 use tailor_costume::cloth::Cloth;
 use tailor_costume::trim::TrimOptions;
@@ -85,6 +86,8 @@ pub struct Product<'a> {
     pub cage_binding: Option<&'a Binding>,
     /// The trims that ride on this simulation mesh, by name.
     pub trims: Option<&'a BTreeMap<String, TrimOptions>>,
+    /// The stitches that are bound to this simulation mesh, by name.
+    pub stitches: Option<&'a BTreeMap<String, Stitch>>,
 }
 
 impl<'a> Product<'a> {
@@ -102,6 +105,7 @@ impl<'a> Product<'a> {
             level_bindings: &[],
             cage_binding: None,
             trims: None,
+            stitches: None,
         }
     }
 

@@ -70,16 +70,32 @@ pub fn end_before_blocks(request: &ParallelRequest, crossings: &mut Crossings) {
 
 /// The chords of each face that lines lead through, and the pieces of lines.
 pub fn all(request: &ParallelRequest, crossings: &Crossings) -> (BTreeMap<FaceId, Vec<Chord>>, Vec<Passage>) {
-    let t = request.topology();
-    let touched = |face: &FaceId| {
-        let is_crossed = |c: CornerId| crossings.of_edges.contains_key(&t.corner_edge[c]);
-        let is_through = |c: CornerId| crossings.through.contains_key(&t.faces.vertex(c));
-        t.faces.corners_of(*face).any(|c| is_crossed(c) || is_through(c))
-    };
     let mut passages = Vec::new();
     let of = |face: FaceId| (face, chords(request, crossings, face, &mut passages));
-    let all = t.faces.ids().filter(touched).map(of).filter(|(_, chords)| !chords.is_empty()).collect();
+    let all = touched(request.topology(), crossings).map(of).filter(|(_, chords)| !chords.is_empty()).collect();
     (all, passages)
+}
+
+/// The pieces of a line through all faces, each with the side of the chain and its ends in order.
+pub fn pieces(request: &ParallelRequest, crossings: &Crossings, line: usize) -> Vec<(usize, [Point; 2])> {
+    let mut pieces = Vec::new();
+    for face in touched(request.topology(), crossings) {
+        let around = around(request, crossings, face);
+        for [a, b] in ends(request, &around, face, line).into_iter().map(|piece| piece.map(|end| around[end])) {
+            let side = a.foot.map(|foot| foot.side).filter(|_| a.share.min(b.share) > 0.0);
+            pieces.extend(side.map(|side| (side, [a.point.min(b.point), a.point.max(b.point)])));
+        }
+    }
+    pieces
+}
+
+/// The faces that lines lead to.
+fn touched<'a>(t: &'a Topology, crossings: &'a Crossings) -> impl Iterator<Item = FaceId> + 'a {
+    t.faces.ids().filter(|&face| {
+        let is_crossed = |c: CornerId| crossings.of_edges.contains_key(&t.corner_edge[c]);
+        let is_through = |c: CornerId| crossings.through.contains_key(&t.faces.vertex(c));
+        t.faces.corners_of(face).any(|c| is_crossed(c) || is_through(c))
+    })
 }
 
 /// The corners of a face and the crossings of its edges, in its direction.

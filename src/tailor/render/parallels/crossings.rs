@@ -6,8 +6,6 @@ use super::{LinePlace, ParallelRequest};
 use std::collections::BTreeMap;
 use tailor_mesh::connectivity::{EdgeId, VertexId};
 
-/// Share of the distance to the next line within which a line leads through a vertex rather than beside it.
-const SNAP: f32 = 0.3;
 /// Least share of an edge between a crossing and its ends.
 const LEAST_PART: f32 = 1e-3;
 
@@ -133,7 +131,7 @@ impl ParallelRequest<'_> {
         let nearest = candidates.min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
         let below = nearest.checked_sub(1).map_or(lines[nearest], |line| lines[nearest] - lines[line]);
         let above = lines.get(nearest + 1).map_or(below, |line| line - lines[nearest]);
-        (off(nearest) < SNAP * below.min(above)).then_some(nearest)
+        (off(nearest) < self.snap * below.min(above)).then_some(nearest)
     }
 
     /// The share of the height beside a place of a chain: less near an end that fades, and near blocks.

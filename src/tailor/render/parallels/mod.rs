@@ -15,6 +15,7 @@ mod chords;
 mod crossings;
 mod faces;
 mod field;
+mod trace;
 mod waves;
 
 use super::child::ChildBuilder;
@@ -22,6 +23,7 @@ use crossings::Crossings;
 pub use field::{Field, Surface};
 use glam::Vec3;
 use tailor_mesh::connectivity::{EdgeId, FaceId, IdVec, Topology, VertexId};
+pub use trace::{SurfaceLine, lines};
 
 /// A path of edges.
 pub struct Chain {
@@ -49,6 +51,8 @@ pub struct ParallelRequest<'a> {
     pub chains: &'a [Chain],
     /// Ascending distances of the lines on the left and on the right of the chains, equally many. \[mesh units\]
     pub distances: [Vec<f32>; 2],
+    /// The share of the distance to the next line within which a line leads through a vertex rather than beside it.
+    pub snap: f32,
     /// The length over which lines fade. \[mesh units\]
     pub fading: f32,
     /// Where they fade.

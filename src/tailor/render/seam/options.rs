@@ -30,6 +30,13 @@ pub enum RowSide {
 
 impl OptionValue for RowSide {}
 
+impl RowSide {
+    /// Whether it has the left and the right side.
+    pub fn sides(self) -> [bool; 2] {
+        [self != Self::Right, self != Self::Left]
+    }
+}
+
 /// The shape of a seam's end inside the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

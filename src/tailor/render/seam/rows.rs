@@ -5,7 +5,7 @@
 //! other seams and the rows of earlier ones.
 
 use super::chains::Network;
-use super::options::{RowSide, SeamEnd, SeamOptions, flat};
+use super::options::{SeamEnd, SeamOptions, flat};
 use super::profile::LINES as SHARES;
 use super::{reports, room};
 use crate::codes;
@@ -27,6 +27,8 @@ const CENTRE: usize = SHARES.len();
 const OUTER: f32 = SHARES[SHARES.len() - 1];
 /// Share of the distance to the edges, or of the gap between rows, that lines may use.
 const MAX_SHARE: f32 = 0.9;
+/// Share of the distance to the next line within which a line leads through a vertex: faces beside it are no slivers.
+const SNAP: f32 = 0.3;
 /// Share of the width below which rows are left out: their lines would be in one place.
 const LEAST_ROOM: f32 = 0.01;
 /// Share of an edge by which its middle may miss the part of the chain beside a row.
@@ -187,7 +189,7 @@ impl Rows {
                 let (other, (_, chains)) = (Ladder::new(options), self.chains(cage, number, None));
                 let width = ladder.half() + other.half();
                 let furthest = other.rows.last().copied().unwrap_or(0.0);
-                let field = Field::new(surface, &chains, sides(options), furthest + width + beyond);
+                let field = Field::new(surface, &chains, options.side.sides(), furthest + width + beyond);
                 blocks.push(Block { field, at: [other.rows.clone(), other.rows], width });
             }
         }
@@ -257,7 +259,7 @@ impl Rows {
 
     /// The edges beside which a row is left out, except around corners that are tighter than its distance.
     fn missing(&self, request: &ParallelRequest, ladder: &Ladder, lines: &Parallels) -> Vec<EdgeId> {
-        let (mut missing, wanted, width) = (BTreeSet::new(), sides(self.options()), self.options().width);
+        let (mut missing, wanted, width) = (BTreeSet::new(), self.options().side.sides(), self.options().width);
         let covered = Covered::all(&lines.passages);
         for (chain, Chain { edges, fades }) in request.chains.iter().enumerate() {
             let length = request.field.lengths()[chain];
@@ -296,11 +298,6 @@ fn is_near_block(request: &ParallelRequest, distance: f32, vertex: VertexId) -> 
     request.blocks.iter().any(is_near)
 }
 
-/// The sides of the edges that have rows, left and right.
-fn sides(options: &SeamOptions) -> [bool; 2] {
-    [options.side != RowSide::Right, options.side != RowSide::Left]
-}
-
 impl Operator for Rows {
     fn label(&self) -> String {
         format!("seam.{}", self.name())
@@ -334,9 +331,10 @@ impl Operator for Rows {
         let distances = [0, 1].map(|side| ladder.lines(side));
         let furthest = distances.iter().flatten().fold(0.0, |most: f32, &line| most.max(line));
         let request = ParallelRequest {
-            field: Field::new(&surface, &chains, sides(self.options()), furthest),
+            field: Field::new(&surface, &chains, self.options().side.sides(), furthest),
             chains: &chains,
             distances,
+            snap: SNAP,
             fading: self.options().taper(),
             blocks: self.blocks(cage, &surface, &network, &ladder),
         };

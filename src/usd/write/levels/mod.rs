@@ -14,9 +14,9 @@
 //! A level has a name of its own, so that the points of a shot are never those of another level's faces.
 
 use super::layer::name_fault;
-use super::physics::beside;
 use super::product::{Author, extent, fault};
 use super::role::{GarmentProducts, Product, ProductRole, level_count, sims};
+use super::scope::beside;
 use super::variant::copy_into_variant;
 use crate::names;
 use crate::read::{LodSchema, Model, OrUnreadable, Selection, Sibling, level_name, select};
@@ -161,6 +161,7 @@ impl Author<'_> {
         if level == 0 {
             let first: Vec<Product> = products.iter().filter(|product| product.level == 0).copied().collect();
             warnings.extend(self.physics(&first)?);
+            self.stitches(&first).map_err(fault)?;
         }
         Ok(warnings)
     }

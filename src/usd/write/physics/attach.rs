@@ -39,7 +39,7 @@ impl Author<'_> {
         if self.data.has_spec(&path.append_property("physics:kinematicEnabled")?) {
             return Ok(path);
         }
-        let path = self.prim(physics, "anchor", "Xform")?;
+        let path = self.in_scope(&physics.scope, "anchor", "Xform")?;
         self.apply(&path, &["PhysicsRigidBodyAPI", "PhysicsMassAPI"])?;
         let kinematic = Value::Bool(true);
         self.attribute(&path, "physics:kinematicEnabled", ValueTypeName::BOOL, Variability::Varying, kinematic)?;
@@ -48,7 +48,7 @@ impl Author<'_> {
         self.attribute(&path, "physics:diagonalInertia", ValueTypeName::FLOAT3, Variability::Varying, inertia)?;
         let axes = Value::Quatf(openusd::gf::Quatf { w: 1.0, x: 0.0, y: 0.0, z: 0.0 });
         self.attribute(&path, "physics:principalAxes", ValueTypeName::QUATF, Variability::Varying, axes)?;
-        let joint = self.prim(physics, "anchor_joint", "PhysicsFixedJoint")?;
+        let joint = self.in_scope(&physics.scope, "anchor_joint", "PhysicsFixedJoint")?;
         self.target(&joint, "physics:body1", &path)?;
         let at = self.model.transforms.to_world * self.model.transforms.to_parent.inverse();
         let (_, turn, at) = at.to_scale_rotation_translation();
@@ -71,7 +71,7 @@ impl Author<'_> {
     ) -> openusd::Result<Path> {
         let names = &dialect.attachment;
         let name = physics.own_name(dialect, name);
-        let path = self.prim(physics, &name, names.types[end])?;
+        let path = self.in_scope(&physics.scope, &name, names.types[end])?;
         self.target(&path, &format!("{}src0", dialect.space), &physics.sim_path)?;
         if let Some(kinds) = names.kinds {
             self.token(&path, &format!("{}type0", dialect.space), "point")?;
@@ -118,7 +118,7 @@ impl Author<'_> {
         if pairs.is_empty() {
             return Ok(());
         }
-        let path = self.prim(physics, &physics.own_name(dialect, "doubled"), dialect.filter)?;
+        let path = self.in_scope(&physics.scope, &physics.own_name(dialect, "doubled"), dialect.filter)?;
         let groups = pairs.chunk_by(|a, b| a[0] == b[0]);
         let counts: [Vec<i32>; 2] =
             [groups.clone().map(|_| 1).collect(), groups.clone().map(|g| g.len() as i32).collect()];

@@ -21,6 +21,7 @@ mod dialect;
 
 use super::product::Author;
 use super::role::{Product, ProductRole};
+use super::scope::beside;
 use crate::codes;
 use crate::names;
 use crate::read::world_of;
@@ -43,12 +44,6 @@ pub const PANELS: &str = "panels";
 const POISSON: f32 = 0.3;
 /// Standard gravity. \[m/s²\]
 const GRAVITY: f64 = 9.81;
-
-/// The name of a prim of the cloth: `name` itself, or of its own for a simulation mesh of another name than `sim`, so that
-/// several garments can be beside each other.
-pub fn beside(name: &str, sim: &str) -> String {
-    if sim == ProductRole::Sim.name() { name.to_owned() } else { format!("{sim}_{name}") }
-}
 
 /// The attributes of a mesh's points in the bind pose, in each dialect.
 pub fn pose_points() -> impl Iterator<Item = String> {
@@ -117,7 +112,7 @@ impl Author<'_> {
     }
 
     fn author_physics(&mut self, physics: &Physics<'_>, held: &(DMat4, Option<Path>)) -> openusd::Result<()> {
-        self.scope(&physics.scope)?;
+        self.scope(&physics.scope, SCOPE)?;
         self.remove_bodies(|name| physics.has(name))?;
         if !self.binds_physics_material() {
             self.material(physics)?;
@@ -139,32 +134,6 @@ impl Author<'_> {
         self.plain_attachments(physics)?;
         self.panels(physics)?;
         if physics.cloth.scene { self.scene(physics) } else { Ok(()) }
-    }
-
-    /// A scope that later builds know as a product.
-    fn scope(&mut self, path: &Path) -> openusd::Result<()> {
-        PrimSpec::new(self.data, path, Specifier::Def, "Scope")?;
-        let mark = self.mark(SCOPE);
-        self.data.set_field(path, names::CUSTOM_DATA, mark);
-        let name = path.name().unwrap_or(SCOPE);
-        if let Some(before) = self.model.siblings.get(name).filter(|_| self.is_overlay) {
-            for child in &before.children {
-                PrimSpec::over(self.data, &path.append_path(child.as_str())?)?.set_active(false);
-            }
-        }
-        Ok(())
-    }
-
-    /// A new prim of the scope, active even if an earlier build had one of this name.
-    fn prim(&mut self, physics: &Physics<'_>, name: &str, type_name: &str) -> openusd::Result<Path> {
-        let path = physics.scope.append_path(name)?;
-        self.data.erase_field(&path, FieldKey::Active.as_str());
-        PrimSpec::new(self.data, &path, Specifier::Def, type_name)?;
-        let scope = physics.scope.name().unwrap_or(SCOPE);
-        if self.model.siblings.contains_key(scope) && self.is_overlay {
-            self.data.set_field(&path, FieldKey::Active.as_str(), Value::Bool(true));
-        }
-        Ok(path)
     }
 
     /// Deactivates what an earlier build wrote beside `products`.
@@ -300,7 +269,7 @@ impl Author<'_> {
         if !DIALECTS.iter().any(|dialect| physics.has(dialect.name)) {
             return Ok(());
         }
-        let path = self.prim(physics, physics.material_name(), "Material")?;
+        let path = self.in_scope(&physics.scope, physics.material_name(), "Material")?;
         let (fabric, meters) = (physics.cloth.mean, physics.meters);
         for dialect in DIALECTS.iter().filter(|dialect| physics.has(dialect.name)) {
             self.apply(&path, dialect.material)?;
@@ -348,16 +317,8 @@ impl Author<'_> {
         self.attribute(&path, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, Variability::Varying, extent)
     }
 
-    /// Deactivates a prim that an earlier build wrote.
-    fn deactivate(&mut self, name: &str) -> openusd::Result<()> {
-        if self.is_overlay && self.model.siblings.get(name).is_some_and(|sibling| sibling.product) {
-            PrimSpec::over(self.data, &self.model.sibling_path(name)?)?.set_active(false);
-        }
-        Ok(())
-    }
-
     fn scene(&mut self, physics: &Physics<'_>) -> openusd::Result<()> {
-        let path = self.prim(physics, "scene", "PhysicsScene")?;
+        let path = self.in_scope(&physics.scope, "scene", "PhysicsScene")?;
         let up = self.model.stage_metadata.iter().find(|(key, _)| key == names::UP_AXIS).map(|(_, value)| value);
         let is_z = matches!(up, Some(Value::Token(axis)) if axis.as_str() == "Z");
         let down = if is_z { [0.0, 0.0, -1.0] } else { [0.0, -1.0, 0.0] };
