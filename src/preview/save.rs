@@ -18,7 +18,7 @@ use tailor_costume::fit::BodyOptions;
 use tailor_costume::recipe::{Domain, Recipe, all, find, group_with_instances, is_attribute, is_recipe, map_files};
 use tailor_mesh::error::{Error, ErrorKind, plain};
 use tailor_mesh::files::{self, folder_of};
-use tailor_mesh::garment::Garment;
+use tailor_mesh::garment::{Garment, free_name};
 use tailor_usd::session::Input;
 use tailor_usd::{
     EarlierRecipe, OptionValue, PAINTED, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside,
@@ -242,7 +242,7 @@ fn named(value: &Value, name: &str, found: &mut Vec<(String, Vec<f32>)>) -> Valu
         _ => value.as_str().and_then(painted_weights).map_or_else(
             || value.clone(),
             |weights| {
-                let name = name.replace(':', "_");
+                let name = free_name(name, |name| found.iter().any(|(known, _)| known == name));
                 found.push((name.clone(), weights));
                 Value::String(name)
             },

@@ -95,10 +95,10 @@ test("painted weights are saved as a primvar of the layer, and are there again w
   await preview.evaluate((path) => preview.store.send({ type: "save", path, overwrite: false }), file);
   await preview.when(() => preview.store.state.save?.status === "saved");
   const text = readFileSync(file, "utf8");
-  assert.match(text, /float\[\] primvars:painted_sim_density = \[/);
+  assert.match(text, /float\[\] primvars:tailor:painted_sim_density = \[/);
   assert.match(text, /interpolation = "vertex"/);
-  assert.match(text, /uniform token tailor:sim:density = "painted_sim_density"/);
-  const numbers = /primvars:painted_sim_density = \[([^\]]*)\]/.exec(text)[1].split(",").map(Number);
+  assert.match(text, /uniform token tailor:sim:density = "tailor:painted_sim_density"/);
+  const numbers = /primvars:tailor:painted_sim_density = \[([^\]]*)\]/.exec(text)[1].split(",").map(Number);
   assert.deepEqual(numbers.map((number) => Math.fround(number)), weights(density).map(Math.fround));
   const shown = await preview.points("sim");
   assert.deepEqual((await build(t, file)).sim, shown, "a build of the layer makes the mesh on screen");

@@ -114,7 +114,7 @@ fn the_same_input_gives_the_same_bytes() {
     }
 }
 
-/// What a file composes to, without the empty text by which OpenUSD can save over a crate.
+/// The composed stage of a file as lines. It leaves out the empty text, which only files have.
 fn flat(file: &Path) -> Vec<String> {
     let source = open_prim(file, "/Coat/sim").unwrap();
     let (text, _) = layer_bytes(&source, &[], Format::Usda, Surroundings::default(), &FLATTEN).unwrap();

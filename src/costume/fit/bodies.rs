@@ -131,10 +131,10 @@ impl Bodies {
     }
 
     /// The bodies with the second one larger all around. \[mesh units\]
-    pub(super) fn eased(&self, ease: f64) -> Self {
-        let grown =
-            self.to.iter().zip(normals(&self.triangles, &self.to)).map(|(point, normal)| *point + ease * normal);
-        Self { to: grown.collect(), ..self.clone() }
+    pub(super) fn eased(mut self, ease: f64) -> Self {
+        let normals = normals(&self.triangles, &self.to);
+        self.to.iter_mut().zip(normals).for_each(|(point, normal)| *point += ease * normal);
+        self
     }
 
     /// The points at a share of the way.

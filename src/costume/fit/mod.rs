@@ -137,7 +137,7 @@ pub fn fit(mesh: &Mesh, bodies: &Bodies, options: &FitOptions) -> Result<Fitted,
     check_crowd(mesh, &start.work)?;
     let mut warnings: Warnings = far_from_body(mesh, &cage, &start, bodies).into_iter().collect();
     warnings.extend(folded(mesh, bodies));
-    let below = bodies.below(&cage, &rest, &start.crossings).eased(f64::from(options.ease));
+    let below = bodies.below(&cage, &rest, &start.crossings).into_owned().eased(f64::from(options.ease));
     let mut path = Path::new(&cage, &rest, &below, options);
     check_crowd(mesh, &path.start)?;
     let points = path.run();

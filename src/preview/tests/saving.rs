@@ -75,11 +75,11 @@ fn painted_weights_are_primvars_of_a_layer() {
     for step in [3, 4] {
         let text = saved(json!({
             "sim": {"density": painted(step)},
-            "cloth": {"pins": ["neckband_edge", painted(2)]},
+            "cloth": {"pins": ["neckband_edge", painted(2), painted(6)]},
             "fold": {"neck": {"faces": ["neckband"], "weights": painted(5)}},
         }));
-        for name in ["sim_density", "cloth_pins", "fold_neck_weights"] {
-            assert_eq!(text.matches(&format!("float[] primvars:painted_{name} = ")).count(), 1, "{text}");
+        for name in ["sim_density", "cloth_pins", "cloth_pins_2", "fold_neck_weights"] {
+            assert_eq!(text.matches(&format!("float[] primvars:tailor:painted_{name} = ")).count(), 1, "{text}");
         }
         // Named as a recipe of the garment below, the layer gives the weights themselves.
         let recipe = Input { recipe: Some(file.clone()), ..input(&garment) };

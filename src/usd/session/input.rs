@@ -169,10 +169,13 @@ fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Er
     Ok(options.as_object().cloned().unwrap_or_default())
 }
 
-/// Replaces a name in all texts of a value.
+/// Replaces a name in all texts of a value, which may be lists.
 fn replace(value: &mut Value, name: &str, by: &str) {
     match value {
-        Value::String(text) => *text = text.replace(name, by),
+        Value::String(text) => {
+            let parts = text.split(", ").map(|part| if part == name { by } else { part });
+            *text = parts.collect::<Vec<_>>().join(", ");
+        }
         Value::Array(all) => all.iter_mut().for_each(|value| replace(value, name, by)),
         Value::Object(fields) => fields.values_mut().for_each(|value| replace(value, name, by)),
         _ => {}

@@ -230,7 +230,7 @@ fn missing(prim: &Prim, name: &str) -> Error {
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
     let own = vectors(prim, points_name(prim)?, None)?;
-    // What is driven is drawn at its own points before the first frame.
+    // A viewer draws the mesh at its own points before the first frame.
     let fault = |points: &Vec<Vec3>| points.iter().position(|point| !point.is_finite());
     if let Some(at) = [&pose, &own].into_iter().flatten().find_map(fault) {
         return Err(unbound(format!("point {at} of {} is not finite", prim.path())));

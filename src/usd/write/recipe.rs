@@ -18,8 +18,8 @@ use tailor_mesh::error::Error;
 /// Key in `customLayerData` by which layers of this program are known.
 const RECIPE: &str = "recipe";
 
-/// How names of primvars begin that hold the painted weights of a recipe.
-pub const PAINTED: &str = "painted_";
+/// How names of primvars begin that hold the painted weights of a recipe: those of a garment begin otherwise.
+pub const PAINTED: &str = "tailor:painted_";
 
 /// The value of an option as a property.
 #[derive(Clone, Debug, PartialEq)]

@@ -48,7 +48,7 @@ function neatly(number: number, size: number): number {
 /** Sets a number in all cards that are edited together. */
 export function setNumber(store: Store, option: Option, full: string, size: number, typed: number, how: "step" | "continuous"): void {
   const value = neatly(typed * size, size);
-  // What an option is without the edits here: typed again, it is no edit.
+  // The value without the edits of the page. Typing it removes the edit.
   const below = (key: string) => valueAt(store.state.document.upstream, key) ?? option.default;
   const keys = keysWith(store.state, full);
   store.setAll(keys.map((key) => ({ key, value, isBack: how === "step" && value === below(key) })), how);
