@@ -172,9 +172,8 @@ fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Er
 /// Replaces a name in all texts of a value, which may be lists.
 fn replace(value: &mut Value, name: &str, by: &str) {
     match value {
-        Value::String(text) => {
-            let parts = text.split(", ").map(|part| if part == name { by } else { part });
-            *text = parts.collect::<Vec<_>>().join(", ");
+        Value::String(all) => {
+            *all = all.split(", ").map(|one| if one == name { by } else { one }).collect::<Vec<_>>().join(", ");
         }
         Value::Array(all) => all.iter_mut().for_each(|value| replace(value, name, by)),
         Value::Object(fields) => fields.values_mut().for_each(|value| replace(value, name, by)),

@@ -231,8 +231,7 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     let pose = pose_points().find_map(|name| vectors(prim, &name, None).ok().flatten());
     let own = vectors(prim, points_name(prim)?, None)?;
     // A viewer draws the mesh at its own points before the first frame.
-    let fault = |points: &Vec<Vec3>| points.iter().position(|point| !point.is_finite());
-    if let Some(at) = [&pose, &own].into_iter().flatten().find_map(fault) {
+    if let Some(at) = [&pose, &own].into_iter().flatten().find_map(|all| all.iter().position(|p| !p.is_finite())) {
         return Err(unbound(format!("point {at} of {} is not finite", prim.path())));
     }
     pose.or(own).ok_or_else(|| missing(prim, "points without a time"))
